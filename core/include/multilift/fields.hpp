@@ -1,0 +1,79 @@
+// How a parameter struct describes itself, once, for every reader: the scenario schema, its error
+// messages, the generated reference page, and the packing into flat arrays.
+//
+// A struct offers `template <class Self, class V> static void visit(Self& self, V&& v)`, which calls
+// `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R>, or a
+// std::array of either; its shape follows from its type and its default from its initialiser. A
+// default of NaN means that the scenario must give the value.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+#include "multilift/math/vec2.hpp"
+
+namespace multilift {
+
+enum class Range { any, positive, non_negative };
+
+struct Field {
+  const char* name;
+  const char* unit;
+  Range range;
+  const char* doc;
+};
+
+inline constexpr double required = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// Calls f on every scalar of a member, in memory order.
+template <Real R, class F>
+void for_each_scalar(R& member, F&& f) {
+  f(member);
+}
+template <Real R, class F>
+void for_each_scalar(const R& member, F&& f) {
+  f(member);
+}
+template <class R, class F>
+void for_each_scalar(Vec2<R>& member, F&& f) {
+  f(member.y);
+  f(member.z);
+}
+template <class R, class F>
+void for_each_scalar(const Vec2<R>& member, F&& f) {
+  f(member.y);
+  f(member.z);
+}
+template <class T, std::size_t N, class F>
+void for_each_scalar(std::array<T, N>& member, F&& f) {
+  for (T& entry : member) for_each_scalar(entry, f);
+}
+template <class T, std::size_t N, class F>
+void for_each_scalar(const std::array<T, N>& member, F&& f) {
+  for (const T& entry : member) for_each_scalar(entry, f);
+}
+
+/// How many scalars a parameter struct holds.
+template <class P>
+std::size_t count_scalars() {
+  std::size_t count = 0;
+  P parameters;
+  P::visit(parameters, [&](const Field&, auto& member) {
+    for_each_scalar(member, [&](auto&) { ++count; });
+  });
+  return count;
+}
+
+/// Fills a parameter struct from count_scalars<P>() consecutive numbers.
+template <class P, class Number>
+P unpack(const Number* values) {
+  P parameters;
+  P::visit(parameters, [&](const Field&, auto& member) {
+    for_each_scalar(member, [&](auto& scalar) { scalar = *values++; });
+  });
+  return parameters;
+}
+
+}  // namespace multilift

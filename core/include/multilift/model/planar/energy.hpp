@@ -1,0 +1,187 @@
+// The energies of the paper's sections 3 and 4, and the powers that change them.
+//
+// Written for the constrained plant. Along any motion the storage function (49) obeys
+//
+//     d/dt V = -eps_dot' K_d eps_dot - (1 + k_lambda kappa) sum d_theta_i theta_dot_i^2     (57)
+//              + internal + push + actuation + adaptation
+//
+// with kappa = 4/m3 + 1/m1 + 1/m2. `internal` is the term that (57) lacks: the difference of the
+// cables' forces on the bar times the rate at which the formation deforms, and, for unequal
+// masses, times the swing rate. docs/theory derives it; tests/test_energy_proof.py proves it.
+#pragma once
+
+#include "multilift/model/planar/dynamics.hpp"
+
+namespace multilift::planar {
+
+/// The gains of a control law that its storage function (49) is made of; all zero, which turns the
+/// audit into that of the mechanical energy (18), for a law that has none.
+template <Real R>
+struct StorageGains {
+  R k_lambda{0.0};
+  std::array<Vec2<R>, 2> k_p;
+  std::array<Vec2<R>, 2> k_d;
+  std::array<Vec2<R>, 2> inverse_gamma;
+};
+
+/// Swing of the bar relative to the mean of the vehicles, doubled as in the paper.
+template <Real R>
+struct Swing {
+  Vec2<R> displacement;  // [l1S1-l2S2+2l3S3, l1(1-C1)+l2(1-C2)+2l3(1-C3)], m
+  Vec2<R> rate;          // s_y, s_z of (7)-(13), m/s
+};
+
+/// From the angles alone, as a controller sees them; p may be the controller's own idea of the plant.
+template <Real R>
+MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const std::array<SinCos<R>, 3>& angle,
+                  const std::array<R, 3>& theta_dot) {
+  const R l1 = p.cable_length[0], l2 = p.cable_length[1];
+  const R twice_l3 = R(2.0) * p.bar_half_thickness;
+  const auto& [s1, c1] = angle[0];
+  const auto& [s2, c2] = angle[1];
+  const auto& [s3, c3] = angle[2];
+  const R one(1.0);
+  return {{l1 * s1 - l2 * s2 + twice_l3 * s3,
+           l1 * (one - c1) + l2 * (one - c2) + twice_l3 * (one - c3)},
+          {l1 * c1 * theta_dot[0] - l2 * c2 * theta_dot[1] + twice_l3 * c3 * theta_dot[2],
+           l1 * s1 * theta_dot[0] + l2 * s2 * theta_dot[1] + twice_l3 * s3 * theta_dot[2]}};
+}
+
+/// E of (18), J, plus the bar's rotational energy.
+template <Real R>
+MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state, const Pose<R>& pose) {
+  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+  R twice_kinetic = p.bar_mass * dot(state.bar_velocity, state.bar_velocity) +
+                    p.bar_inertia * square(state.theta_dot[2]);
+  for (std::size_t i = 0; i < 2; ++i)
+    twice_kinetic += p.vehicle_mass[i] * dot(pose.vehicle_velocity[i], pose.vehicle_velocity[i]);
+  return R(0.5) * (twice_kinetic + p.bar_mass * p.gravity * swing.displacement.z);
+}
+
+/// E_k of (46), J; the bar's rotational energy enters with weight 1 + k_lambda kappa.
+template <Real R>
+MULTILIFT_INLINE R shaped_energy(const Plant<R>& p, const R& k_lambda, const State<R>& state,
+                const Pose<R>& pose) {
+  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+  // 2 (1 + m3/4m1 + m3/4m2) = m3 kappa / 2
+  return mechanical_energy(p, state, pose) +
+         R(0.5) * k_lambda *
+             (dot(swing.rate, swing.rate) + p.bar_mass * p.kappa * p.gravity * swing.displacement.z +
+              p.kappa * p.bar_inertia * square(state.theta_dot[2]));
+}
+
+/// The unified error (48) and its rate at the true state, and the law (55) they give.
+template <Real R>
+struct UnifiedError {
+  std::array<Vec2<R>, 2> eps;      // m
+  std::array<Vec2<R>, 2> eps_dot;  // m/s
+};
+
+template <Real R>
+MULTILIFT_INLINE UnifiedError<R> unified_error(const Plant<R>& p, const R& k_lambda, const Swing<R>& swing,
+                              const std::array<Vec2<R>, 2>& vehicle,
+                              const std::array<Vec2<R>, 2>& vehicle_velocity,
+                              const std::array<Vec2<R>, 2>& goal) {
+  UnifiedError<R> error;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const R coupling = k_lambda * p.inverse_mass[i];  // eta_i = -(k_lambda/m_i) swing, (47)
+    error.eps[i] = (vehicle[i] - goal[i]) - coupling * swing.displacement;
+    error.eps_dot[i] = vehicle_velocity[i] - coupling * swing.rate;
+  }
+  return error;
+}
+
+/// The last term of (49): half of the estimation error weighed by the inverse of Gamma, J.
+template <Real R>
+R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
+                    const std::array<Vec2<R>, 2>& d_hat) {
+  R sum(0.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec2<R> error = p.vehicle_drag[i] - d_hat[i];
+    sum += dot(gains.inverse_gamma[i], scale(error, error));
+  }
+  return R(0.5) * sum;
+}
+
+/// The storage function (49), J.
+template <Real R>
+MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& gains, const State<R>& state,
+                   const Pose<R>& pose, const std::array<Vec2<R>, 2>& goal,
+                   const std::array<Vec2<R>, 2>& d_hat) {
+  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+  const UnifiedError<R> error = unified_error(p, gains.k_lambda, swing, pose.vehicle,
+                                              pose.vehicle_velocity, goal);
+  R twice_spring(0.0);
+  for (std::size_t i = 0; i < 2; ++i)
+    twice_spring += dot(gains.k_p[i], scale(error.eps[i], error.eps[i]));
+  return shaped_energy(p, gains.k_lambda, state, pose) + R(0.5) * twice_spring +
+         estimation_energy(p, gains, d_hat);
+}
+
+/// What changes the storage function, W; integrated over time, J.
+template <Real R>
+struct Powers {
+  R dissipation{0.0};  // the right side of (57): never positive
+  R internal{0.0};     // cable force difference times deformation of the formation
+  R push{0.0};         // pushes on vehicles and bar
+  R actuation{0.0};    // eps_dot . (u applied - u of the law at this instant)
+  R adaptation{0.0};   // estimate held between control instants, against (51)
+
+  template <class Self, class V>
+  static void visit(Self& self, V&& v) {
+    v(Field{"dissipation", "J", Range::any, "right side of (57)"}, self.dissipation);
+    v(Field{"internal_force", "J", Range::any,
+            "the term (57) lacks: internal force of the bar times deformation of the formation"},
+      self.internal);
+    v(Field{"push", "J", Range::any, "pushes on vehicles and bar"}, self.push);
+    v(Field{"actuation", "J", Range::any,
+            "force applied less the law's force: sampling, delay, lag, limits, noise, integral"},
+      self.actuation);
+    v(Field{"adaptation", "J", Range::any, "estimate updated at control instants, against (51)"},
+      self.adaptation);
+  }
+
+  friend Powers operator+(const Powers& a, const Powers& b) {
+    return {a.dissipation + b.dissipation, a.internal + b.internal, a.push + b.push,
+            a.actuation + b.actuation, a.adaptation + b.adaptation};
+  }
+  friend Powers operator*(const R& k, const Powers& a) {
+    return {k * a.dissipation, k * a.internal, k * a.push, k * a.actuation, k * a.adaptation};
+  }
+  R total() const { return dissipation + internal + push + actuation + adaptation; }
+};
+
+template <Real R>
+MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains, const State<R>& state,
+                    const Pose<R>& pose, const Loads<R>& loads, const Motion<R>& motion,
+                    const std::array<Vec2<R>, 2>& goal, const std::array<Vec2<R>, 2>& d_hat) {
+  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+  const UnifiedError<R> error = unified_error(p, gains.k_lambda, swing, pose.vehicle,
+                                              pose.vehicle_velocity, goal);
+  const R coupling = gains.k_lambda * p.kappa;
+  const R one(1.0), half(0.5);
+
+  Powers<R> w;
+  for (std::size_t k = 0; k < 3; ++k)
+    w.dissipation -= (one + coupling) * p.swing_damping[k] * square(state.theta_dot[k]);
+  w.push = dot(loads.bar_push, state.bar_velocity) +
+           R(2.0) * gains.k_lambda / p.bar_mass * dot(swing.rate, loads.bar_push) +
+           (one + coupling) * loads.bar_torque * state.theta_dot[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec2<R>& eps_dot = error.eps_dot[i];
+    const Vec2<R> drag_error = p.vehicle_drag[i] - d_hat[i];
+    const Vec2<R> law = scale(d_hat[i], pose.vehicle_velocity[i]) -
+                        scale(gains.k_p[i], error.eps[i]) - scale(gains.k_d[i], eps_dot);
+    w.dissipation -= dot(gains.k_d[i], scale(eps_dot, eps_dot));
+    w.actuation += dot(eps_dot, loads.u[i] - law);
+    w.adaptation -= dot(eps_dot, scale(drag_error, pose.vehicle_velocity[i]));
+    w.push += dot(eps_dot, loads.vehicle_push[i]);
+  }
+  const Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
+  const R mass_asymmetry = p.inverse_mass[0] - p.inverse_mass[1];
+  w.internal = half * dot(difference, coupling * (pose.vehicle_velocity[0] - pose.vehicle_velocity[1]) +
+                                          gains.k_lambda * mass_asymmetry * swing.rate);
+  return w;
+}
+
+}  // namespace multilift::planar

@@ -1,0 +1,73 @@
+// What an equation may ask of its scalar type.
+//
+// Every equation in multilift is written once over a type `R` that models `Real`: double, SIMD
+// lanes (lanes.hpp) or dual numbers (dual.hpp). A comparison yields `mask_t<R>`, which is bool for
+// double and one truth value per lane for lanes; branches are written as `select(mask, a, b)`.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+
+// For the functions of the hot loop: GCC's own estimate leaves them as calls, at a third of the
+// speed for lanes.
+#if defined(__GNUC__) || defined(__clang__)
+#define MULTILIFT_INLINE inline __attribute__((always_inline))
+#else
+#define MULTILIFT_INLINE inline
+#endif
+
+namespace multilift {
+
+inline double sqrt(double x) { return std::sqrt(x); }
+inline double abs(double x) { return std::fabs(x); }
+inline double select(bool mask, double a, double b) { return mask ? a : b; }
+inline bool any(bool mask) { return mask; }
+inline bool all(bool mask) { return mask; }
+
+/// The plain double behind a scalar; for dual numbers it drops the derivatives.
+inline double value(double x) { return x; }
+
+template <class R>
+using mask_t = decltype(std::declval<R>() < std::declval<R>());
+
+template <class R>
+concept Real = std::constructible_from<R, double> && requires(R a, R b) {
+  { a + b } -> std::convertible_to<R>;
+  { a - b } -> std::convertible_to<R>;
+  { a * b } -> std::convertible_to<R>;
+  { a / b } -> std::convertible_to<R>;
+  { -a } -> std::convertible_to<R>;
+  { sqrt(a) } -> std::convertible_to<R>;
+  { abs(a) } -> std::convertible_to<R>;
+  { select(a < b, a, b) } -> std::convertible_to<R>;
+  { any(a < b) } -> std::same_as<bool>;
+};
+
+template <Real R>
+R min(const R& a, const R& b) {
+  return select(b < a, b, a);
+}
+
+template <Real R>
+R max(const R& a, const R& b) {
+  return select(a < b, b, a);
+}
+
+template <Real R>
+R clamp(const R& x, const R& lo, const R& hi) {
+  return min(max(x, lo), hi);
+}
+
+template <Real R>
+R square(const R& x) {
+  return x * x;
+}
+
+/// True where x is neither infinite nor NaN.
+template <Real R>
+mask_t<R> is_finite(const R& x) {
+  return abs(x) <= R(std::numeric_limits<double>::max());
+}
+
+}  // namespace multilift

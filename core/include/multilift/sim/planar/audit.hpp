@@ -1,0 +1,47 @@
+// The energy audit of a run: does the storage function change as the theory says?
+//
+// The powers of energy.hpp are integrated with the stages of the Runge-Kutta step itself, so what
+// remains between the storage function and their sum is integration error and nothing else.
+#pragma once
+
+#include "multilift/model/planar/energy.hpp"
+
+namespace multilift::planar {
+
+template <Real R>
+class Audit {
+ public:
+  void begin(const R& storage) { start_ = end_ = storage; }
+
+  /// Energy that entered between two instants, J.
+  void add(const Powers<R>& work) { work_ = work_ + work; }
+
+  /// A jump of the estimation energy at a control instant, J.
+  void add_adaptation(const R& jump) { work_.adaptation += jump; }
+
+  /// Compares with the storage function found at an instant.
+  void compare(const R& storage) {
+    end_ = storage;
+    error_ = (end_ - start_) - work_.total();
+    largest_error_ = max(largest_error_, abs(error_));
+  }
+
+  /// Calls v(Field, value) for each entry, J.
+  template <class V>
+  void report(V&& v) const {
+    v(Field{"storage_start", "J", Range::any, "storage function (49) at the start"}, value(start_));
+    v(Field{"storage_end", "J", Range::any, "storage function (49) at the end"}, value(end_));
+    Powers<R>::visit(work_, [&](const Field& field, const R& work) { v(field, value(work)); });
+    v(Field{"integration_error", "J", Range::any,
+            "change of the storage function less the entries above"},
+      value(error_));
+    v(Field{"largest_integration_error", "J", Range::any, "its greatest size during the run"},
+      value(largest_error_));
+  }
+
+ private:
+  R start_{0.0}, end_{0.0}, error_{0.0}, largest_error_{0.0};
+  Powers<R> work_;
+};
+
+}  // namespace multilift::planar

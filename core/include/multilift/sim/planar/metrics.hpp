@@ -1,0 +1,118 @@
+// The result of a planar run in numbers, gathered while it runs. This is their one definition.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "multilift/model/planar/energy.hpp"
+
+namespace multilift::planar {
+
+/// Thresholds of the settling times.
+inline constexpr double swing_band = std::numbers::pi / 180.0;  // 1 degree, rad
+inline constexpr double position_band = 0.02;                   // m
+
+/// One sampling instant, as metrics and records see it.
+template <Real R>
+struct Instant {
+  double time;
+  const State<R>& state;
+  const Pose<R>& pose;
+  const Motion<R>& motion;
+  const Command<R>& commanded;  // u as the law gave it, N
+  const Command<R>& applied;    // u as it acts, N
+  const R& storage;             // (49), J
+};
+
+template <Real R>
+class Metrics {
+ public:
+  Metrics(const Plant<R>& p, const std::array<Vec2<R>, 2>& start,
+          const std::array<Vec2<R>, 2>& goal)
+      : share_{p.gravity_share(0), p.gravity_share(1)}, start_(start), goal_(goal) {}
+
+  /// At every integration step, the first and the last included; `step` is the time until the next
+  /// one, 0 at the last.
+  void update(const Instant<R>& now, double step) {
+    const R time(now.time);
+    R swing_sum(0.0);
+    for (std::size_t k = 0; k < 3; ++k)
+      peak_swing_[k] = max(peak_swing_[k], abs(now.state.theta[k]));
+    for (std::size_t k = 0; k < 2; ++k) {
+      const R size = abs(now.state.theta[k]);
+      swing_sum += size;
+      last_swing_ = select(R(swing_band) < size, time, last_swing_);
+    }
+    // Trapezoidal rule: each instant counts half a step to either side.
+    swing_integral_ += R(0.5 * (previous_step_ + step)) * swing_sum;
+    previous_step_ = step;
+
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Vec2<R> error = now.pose.vehicle[i] - goal_[i];
+      last_far_ = select(R(position_band * position_band) < dot(error, error), time, last_far_);
+      beyond(error.y, goal_[i].y - start_[i].y);
+      beyond(error.z, goal_[i].z - start_[i].z);
+      effort_ += R(step) * dot(now.commanded[i], now.commanded[i]);
+      const Vec2<R> thrust{now.applied[i].y, now.applied[i].z + share_[i]};
+      peak_thrust_squared_ = max(peak_thrust_squared_, dot(thrust, thrust));
+      const R side = abs(thrust.y);
+      const R slope = select(R(0.0) < thrust.z, side / thrust.z, R(unlimited));
+      peak_slope_ = max(peak_slope_, select(R(0.0) < side, slope, R(0.0)));
+      min_tension_ = min(min_tension_, now.motion.tension[i]);
+    }
+    least_storage_ = min(least_storage_, now.storage);
+    storage_rise_ = max(storage_rise_, now.storage - least_storage_);
+    last_time_ = now.time;
+  }
+
+  /// Calls v(Field, value) for each metric; a settling time is NaN where the run ended unsettled.
+  template <class V>
+  void report(V&& v) const {
+    constexpr double degree = std::numbers::pi / 180.0;
+    const char* peak_names[] = {"peak_swing_1", "peak_swing_2", "peak_swing_3"};
+    const char* peak_docs[] = {"greatest |theta1|", "greatest |theta2|", "greatest |theta3|"};
+    for (std::size_t k = 0; k < 3; ++k)
+      v(Field{peak_names[k], "deg", Range::any, peak_docs[k]}, value(peak_swing_[k]) / degree);
+    v(Field{"swing_settling_time", "s", Range::any,
+            "last time |theta1| or |theta2| exceeds 1 degree; 0 if never, empty if still at the end"},
+      settled(last_swing_));
+    v(Field{"position_settling_time", "s", Range::any,
+            "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end"},
+      settled(last_far_));
+    v(Field{"overshoot", "m", Range::any,
+            "greatest travel past the goal, over vehicles and the axes along which they move"},
+      value(overshoot_));
+    v(Field{"swing_integral", "deg s", Range::any, "integral of |theta1| + |theta2|"},
+      value(swing_integral_) / degree);
+    v(Field{"control_effort", "N^2 s", Range::any, "integral of |u|^2, u as commanded"},
+      value(effort_));
+    v(Field{"peak_thrust", "N", Range::any, "greatest thrust of a vehicle"},
+      std::sqrt(value(peak_thrust_squared_)));
+    v(Field{"peak_tilt", "deg", Range::any, "greatest |phi| of a vehicle"},
+      std::atan(value(peak_slope_)) / degree);
+    v(Field{"min_tension", "N", Range::any, "least tension of a cable"}, value(min_tension_));
+    v(Field{"storage_rise", "J", Range::any,
+            "greatest rise of the storage function (49) above its least value so far"},
+      value(storage_rise_));
+  }
+
+ private:
+  void beyond(const R& error, const R& travel) {
+    const R past = select(R(0.0) < travel, error, -error);
+    const R counts = select(R(0.0) < abs(travel), past, R(0.0));
+    overshoot_ = max(overshoot_, counts);
+  }
+  double settled(const R& last) const {
+    return value(last) < last_time_ ? value(last) : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::array<R, 2> share_;
+  std::array<Vec2<R>, 2> start_, goal_;
+  std::array<R, 3> peak_swing_{R(0.0), R(0.0), R(0.0)};
+  R last_swing_{0.0}, last_far_{0.0}, overshoot_{0.0}, swing_integral_{0.0}, effort_{0.0};
+  R peak_thrust_squared_{0.0}, peak_slope_{0.0}, min_tension_{unlimited};
+  R least_storage_{unlimited}, storage_rise_{0.0};
+  double previous_step_{0.0}, last_time_{0.0};
+};
+
+}  // namespace multilift::planar

@@ -1,0 +1,224 @@
+"""The command line: ``multilift run | reproduce | check | scenarios | bench``."""
+
+from __future__ import annotations
+
+import math
+import sys
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+import multilift as ml
+from multilift import library, quantities, schema, storage
+from multilift.errors import MultiliftError, ScenarioError
+from multilift.run import Run
+
+EXIT_BAD_INPUT = 2
+EXIT_ENDED_EARLY = 3
+EXIT_INTERRUPTED = 130
+
+_EPILOG = (
+    "Exit codes: 0 done; 1 a failure of multilift itself; 2 bad input, or output that cannot be "
+    "written; 3 a run ended early (slack cable, swing limit, divergence) and what it had is kept; "
+    "130 interrupted."
+)
+
+app = typer.Typer(
+    name="multilift",
+    help="Multirotors that carry one load together on cables: simulate, audit, reproduce.",
+    epilog=_EPILOG,
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+)
+_out = Console()
+_err = Console(stderr=True)
+
+ScenarioArgument = Annotated[
+    str, typer.Argument(help="A scenario file, or the name of a shipped one.", metavar="SCENARIO")
+]
+ControllerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--controller",
+        "-c",
+        help=f"Law to fly instead of the scenario's: {', '.join(schema.LAW_TITLES)}, or "
+        "FILE.py:NAME for your own.",
+    ),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", "-s", metavar="KEY=VALUE", help="Change a value, as in TOML. May be repeated."
+    ),
+]
+ForceOption = Annotated[
+    bool, typer.Option("--force", "-f", help="Replace an earlier result of multilift there.")
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        _out.print(f"multilift {ml.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command(
+    epilog="Examples:  multilift run sim1  |  multilift run scenarios/sim1.toml -o out/sim1 "
+    "--set controller.k_lambda=0.8  |  multilift run exp2 --controller my_law.py:MyLaw"
+)
+def run(
+    scenario: ScenarioArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder for trajectory, metrics, scenario, figures."),
+    ] = None,
+    changes: SetOption = None,
+    controller: ControllerOption = None,
+    force: ForceOption = False,
+) -> None:
+    """Simulate one scenario; print its metrics and energy audit."""
+    if output is not None:
+        storage.check_target(output, force=force)
+    result = ml.simulate(_load(scenario, changes), controller)
+    _print_run(result)
+    if output is not None:
+        result.save(output, force=force)
+        _out.print(f"\nWritten to [bold]{output}[/]")
+    if not result.finished:
+        _err.print(f"[bold yellow]ended early:[/] {result.ending}")
+        raise typer.Exit(EXIT_ENDED_EARLY)
+
+
+@app.command(
+    epilog="Examples:  multilift reproduce -o out/paper  |  multilift reproduce -o out/mine "
+    "--with my_law.py:MyLaw"
+)
+def reproduce(
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
+    beside: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with", metavar="FILE.py:NAME", help="Your own law, beside the paper's two."
+        ),
+    ] = None,
+    force: ForceOption = False,
+) -> None:
+    """Run the paper's five tests under both laws: figures, data, claims, report.html."""
+    from multilift import reproduce as job  # noqa: PLC0415 - loads the plotting packages
+
+    result = job.reproduce(output, beside=beside or [], force=force, console=_err)
+    _out.print(job.summary_table(result.runs))
+    _out.print(f"\nReport: [bold]{result.report}[/]", soft_wrap=True)
+    if not all(r.finished for laws in result.runs.values() for r in laws.values()):
+        raise typer.Exit(EXIT_ENDED_EARLY)
+
+
+@app.command(epilog="Example:  multilift check scenarios/*.toml my_scenario.toml")
+def check(
+    scenarios: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    changes: SetOption = None,
+) -> None:
+    """Check scenarios without running them; report every one that is wrong."""
+    failed = False
+    for name in scenarios:
+        try:
+            scenario = _load(name, changes)
+        except ScenarioError as error:
+            failed = True
+            _err.print(f"[bold red]wrong[/] {error}", highlight=False, soft_wrap=True)
+        else:
+            _out.print(f"[green]good[/]  {name}: {scenario.title}", highlight=False)
+    if failed:
+        raise typer.Exit(EXIT_BAD_INPUT)
+
+
+@app.command()
+def scenarios(
+    show: Annotated[
+        str | None, typer.Option("--show", help="Print one shipped scenario's file.")
+    ] = None,
+) -> None:
+    """List the scenarios that multilift ships, or print one to start from."""
+    if show is not None:
+        sys.stdout.write(library.find(show).read_text(encoding="utf-8"))
+        return
+    table = Table("name", "title", "source", box=None, header_style="bold")
+    for file in library.files():
+        scenario = ml.load(file)
+        table.add_row(scenario.name, scenario.title, str(scenario.values["source"]))
+    _out.print(table)
+    _out.print("\nStart your own:  multilift scenarios --show sim1 > my_scenario.toml")
+
+
+@app.command()
+def bench(
+    repetitions: Annotated[int, typer.Option(min=1, help="Interleaved repetitions.")] = 7,
+) -> None:
+    """Measure speed: nanoseconds a step, and the ratio to MuJoCo in the same process."""
+    from multilift import bench as benchmarks  # noqa: PLC0415 - loads MuJoCo if installed
+
+    benchmarks.print_rows(benchmarks.run_benchmarks(repetitions), _out)
+
+
+def _load(name: str, changes: list[str] | None) -> ml.Scenario:
+    scenario = ml.load(name)
+    if not changes:
+        return scenario
+    return scenario.with_values(dict(_parse_change(change) for change in changes))
+
+
+def _parse_change(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise ScenarioError(
+            f"{text!r} is not KEY=VALUE", where="--set", advice="such as controller.k_lambda=0.8"
+        )
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key.strip(), value.strip()  # a bare word is a text
+
+
+def _print_run(result: Run) -> None:
+    _out.print(f"[bold]{result.scenario.title}[/], {result.controller_title}", highlight=False)
+    _out.print(f"{result.ending}\n", highlight=False)
+    table = Table("metric", "value", "unit", "meaning", box=None, header_style="bold")
+    for name, quantity in quantities.METRICS.items():
+        table.add_row(name, _number(result.metrics[name]), quantity.unit, quantity.doc)
+    table.add_section()
+    for name, quantity in quantities.AUDIT.items():
+        table.add_row(name, _number(result.audit[name]), quantity.unit, quantity.doc)
+    table.add_row(
+        "closure_residual", _number(result.closure_residual), "m", "largest drift of the closure"
+    )
+    _out.print(table, highlight=False)
+
+
+def _number(x: float) -> str:
+    return f"{x:.4g}" if math.isfinite(x) else "-"
+
+
+def main() -> None:
+    """Entry point: one clear message and a documented exit code for every foreseen error."""
+    try:
+        app()
+    except MultiliftError as error:
+        _err.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        sys.exit(EXIT_BAD_INPUT)
+    except KeyboardInterrupt:
+        _err.print("interrupted")
+        sys.exit(EXIT_INTERRUPTED)

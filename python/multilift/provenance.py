@@ -1,0 +1,24 @@
+"""What made a result: version, compiler, machine. Stored beside every run."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from importlib.metadata import version
+
+import numpy as np
+
+from multilift import _core
+
+
+def describe() -> dict[str, str]:
+    """Version, commit where known, compiler, platform, Python and NumPy, as plain texts."""
+    return {
+        "multilift": version("multilift"),
+        "commit": _core.build["commit"] or "unknown",
+        "compiler": _core.build["compiler"],
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "python": sys.version.split()[0],
+        "numpy": np.__version__,
+    }
