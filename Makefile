@@ -49,10 +49,11 @@ lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/mypy
 	$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
 
-format: $(VENV)/.with-lint
+format: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $(CXX_FILES)
+	$(BIN)/python -m nanobind.stubgen -q -m multilift._core -o python/multilift/_core.pyi
 
 bench: $(VENV)/.with-test
 	$(BIN)/python benchmarks/bench.py

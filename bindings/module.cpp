@@ -9,11 +9,16 @@ void bind_planar_rollout(nanobind::module_& m);
 }  // namespace multilift::bindings
 
 NB_MODULE(_core, m) {
-  nanobind::dict build;
-  build["compiler"] = MULTILIFT_COMPILER;
-  build["commit"] = MULTILIFT_COMMIT;
-  m.attr("build") = build;
   m.doc() = "Compiled core of multilift. Use the multilift package; this module may change.";
+  m.def(
+      "build_info",
+      [] {
+        nanobind::dict build;
+        build["compiler"] = MULTILIFT_COMPILER;
+        build["commit"] = MULTILIFT_COMMIT;
+        return build;
+      },
+      "Compiler, and the commit of the sources where they were a checkout.");
   multilift::bindings::bind_math(m);
   multilift::bindings::bind_planar_model(m);
   multilift::bindings::bind_planar_control(m);

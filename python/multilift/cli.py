@@ -118,7 +118,7 @@ def reproduce(
     force: ForceOption = False,
 ) -> None:
     """Run the paper's five tests under both laws: figures, data, claims, report.html."""
-    from multilift import reproduce as job  # noqa: PLC0415 - loads the plotting packages
+    from multilift import paper as job  # noqa: PLC0415 - loads the plotting packages
 
     result = job.reproduce(output, beside=beside or [], force=force, console=_err)
     _out.print(job.summary_table(result.runs))

@@ -164,14 +164,15 @@ def python_law(target: Any) -> PythonLaw:
     """
     name = getattr(target, "__name__", type(target).__name__)
     title = str(getattr(target, "title", name))
-    if inspect.isclass(target):
-        if not callable(getattr(target, "step", None)):
-            raise ControllerError(f"class {name} has no method step(self, m)")
-        return PythonLaw(name, title, lambda scenario: target(scenario).step)  # type: ignore[no-any-return]
-    if callable(getattr(target, "step", None)):
-        return PythonLaw(name, title, lambda _: target.step)  # type: ignore[no-any-return]
-    if callable(target):
-        return PythonLaw(name, title, lambda _: target)  # type: ignore[no-any-return]
+    made_per_run = inspect.isclass(target)
+    step: Any = getattr(target, "step", None)
+    if made_per_run and callable(step):
+        return PythonLaw(name, title, lambda scenario: target(scenario).step)
+    if made_per_run:
+        raise ControllerError(f"class {name} has no method step(self, m)")
+    law: Any = step if callable(step) else target
+    if callable(law):
+        return PythonLaw(name, title, lambda _: law)
     raise ControllerError(
         f"{target!r} is no control law: give a function of a Measurement, or a class with "
         "__init__(self, scenario) and step(self, m)"

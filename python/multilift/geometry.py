@@ -63,9 +63,7 @@ def rest_angles(plant: dict[str, Any], plant_values: list[float], vehicles: Vect
 
     def jacobian(a: Vector) -> Vector:
         s, c = np.sin(a), np.cos(a)
-        return np.array(
-            [[-l1 * c[0], -l2 * c[1], l0 * s[2]], [-l1 * s[0], l2 * s[1], -l0 * c[2]]]
-        )
+        return np.array([[-l1 * c[0], -l2 * c[1], l0 * s[2]], [-l1 * s[0], l2 * s[1], -l0 * c[2]]])
 
     def stationarity(x: Vector) -> Vector:
         a, mu = x[:3], x[3:]
@@ -161,14 +159,12 @@ def start_coordinates(
     return q, q_dot
 
 
-def _start_rates(
-    plant_values: list[float], q: Vector, start: dict[str, Any], where: str
-) -> Vector:
+def _start_rates(plant_values: list[float], q: Vector, start: dict[str, Any], where: str) -> Vector:
     velocity, rate = start["vehicle_velocity"], start["angle_rate"]
     q_dot = np.zeros(7)
     q_dot[:4] = np.ravel(velocity) if velocity is not None else 0.0
     q_dot[4:] = rate if rate is not None else 0.0
-    # The closure's rate along q_dot, by a central difference: c is smooth and of the size of metres.
+    # The closure's rate along q_dot, by a central difference: c is smooth, of metres' size.
     h = 1e-6
     ahead = np.array(_core.planar_closure(plant_values, (q + h * q_dot).tolist()))
     behind = np.array(_core.planar_closure(plant_values, (q - h * q_dot).tolist()))

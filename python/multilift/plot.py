@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -38,7 +38,7 @@ BASELINE = LineStyle("#D55E00", "--", "PD")
 OTHERS = (("#009E73", "-."), ("#CC79A7", ":"))
 DESIRED = LineStyle("black", "--", "desired")
 
-_RC = {
+_RC: Any = {
     "font.size": 8.0,
     "axes.labelsize": 8.0,
     "xtick.labelsize": 7.0,

@@ -13,10 +13,11 @@ from multilift import _core
 
 def describe() -> dict[str, str]:
     """Version, commit where known, compiler, platform, Python and NumPy, as plain texts."""
+    build = _core.build_info()
     return {
         "multilift": version("multilift"),
-        "commit": _core.build["commit"] or "unknown",
-        "compiler": _core.build["compiler"],
+        "commit": str(build["commit"]) or "unknown",
+        "compiler": str(build["compiler"]),
         "platform": platform.platform(),
         "machine": platform.machine(),
         "python": sys.version.split()[0],

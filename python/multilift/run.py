@@ -169,9 +169,7 @@ class Run:
         except ImportError:
             raise MissingExtraError("pandas", "data", "Run.to_dataframe()") from None
         frame = pd.DataFrame(self._columns)
-        frame["controller"] = pd.Categorical.from_codes(
-            np.zeros(len(frame), dtype=int), categories=[self.controller]
-        )
+        frame["controller"] = pd.Categorical([self.controller] * len(frame))
         return frame
 
     def plot(self) -> Figure:
@@ -208,7 +206,7 @@ class Run:
 
         Returns:
             The folder, with ``trajectory.parquet``, ``metrics.json``, ``scenario.toml``,
-            ``run.json``.
+            ``run.json`` and, where matplotlib is installed, ``overview.png``.
 
         Raises:
             OutputError: if the folder is taken or cannot be written.
@@ -217,10 +215,16 @@ class Run:
         target = Path(target)
         with storage.new_folder(target, force=force) as folder:
             write_parquet(self, folder / "trajectory.parquet")
-            write_json(folder / "metrics.json", {self.scenario.name: {self.controller:
-                                                                      self.summary()}})
+            result = {self.scenario.name: {self.controller: self.summary()}}
+            write_json(folder / "metrics.json", result)
             (folder / "scenario.toml").write_text(self.scenario.to_toml(), encoding="utf-8")
             write_json(folder / "run.json", self.provenance())
+            try:
+                figure = self.plot()
+            except MissingExtraError:
+                figure = None  # data without a picture, where matplotlib is not installed
+            if figure is not None:
+                figure.savefig(folder / "overview.png")
         return target
 
     def provenance(self) -> dict[str, Any]:

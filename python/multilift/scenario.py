@@ -325,11 +325,11 @@ def _check_goal(values: dict[str, Any], where: str) -> None:
 
 
 def _check_timing(values: dict[str, Any], where: str) -> None:
-    step = values["simulation"]["step"]
+    step = float(values["simulation"]["step"])
 
     def multiple(key: str, time: float, zero_allowed: bool) -> int:
         ratio = time / step
-        count = round(ratio)
+        count: int = round(ratio)
         if (count == 0 and not (zero_allowed and time == 0.0)) or abs(ratio - count) > 1e-6 * max(
             1, count
         ):

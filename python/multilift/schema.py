@@ -70,7 +70,7 @@ class Field:
         bound = {"positive": "> 0", "non_negative": ">= 0", "any": "any finite number"}[self.range]
         text = f"{bound} {self.unit}".rstrip()
         if self.unit in UNIT_SCALES:
-            text += f" (or a text such as \"1.5 {next(iter(UNIT_SCALES[self.unit]))}\")"
+            text += f' (or a text such as "1.5 {next(iter(UNIT_SCALES[self.unit]))}")'
         if self.shape:
             text += ", shape " + " x ".join(map(str, self.shape)) + " or fewer dimensions"
         return text
@@ -286,7 +286,8 @@ SIMULATION = Table(
               range="positive", default=0.001),
         Field("record_period", "between two rows of the trajectory; a multiple of the step",
               unit="s", range="positive", default=0.01),
-        Field("seed", "of the measurement noise; a whole number", range="non_negative", default=0.0),
+        Field("seed", "of the measurement noise; a whole number", range="non_negative",
+              default=0.0),
     ),
 )  # fmt: skip
 ACTUATORS = Table(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from multilift import _core
+from multilift.report import Claim, Discrepancy, Verdict
 from multilift.run import Run
 from multilift.scenario import Scenario, load
 from multilift.simulate import simulate
@@ -22,31 +22,6 @@ PUSHED = "exp2"
 
 #: Two settling times count as about equal within this factor either way.
 ABOUT_EQUAL = 1.25
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A statement of the paper and what was found.
-
-    Attributes:
-        statement: what the paper says, in our words.
-        where: section or figure.
-        verdict: "holds", "holds in part" or "does not hold", by rule from the numbers.
-        evidence: the numbers, and where they depend on a choice of ours.
-    """
-
-    statement: str
-    where: str
-    verdict: str
-    evidence: str
-
-
-@dataclass(frozen=True)
-class Discrepancy:
-    """Something printed in the paper that does not hold, with what does."""
-
-    title: str
-    text: str
 
 
 def seconds(x: float) -> str:
@@ -68,10 +43,18 @@ def check_claims(runs: Runs) -> list[Claim]:
     ]
 
 
-def _verdict(holds: list[bool]) -> str:
+def _verdict(holds: list[bool]) -> Verdict:
     if all(holds):
         return "holds"
     return "holds in part" if any(holds) else "does not hold"
+
+
+def _claim(statement: str, where: str, verdict: Verdict, evidence: str) -> Claim:
+    return Claim(statement=statement, where=where, verdict=verdict, evidence=evidence)
+
+
+def _discrepancy(title: str, text: str) -> Discrepancy:
+    return Discrepancy(title=title, text=text)
 
 
 def _pair(runs: Runs, name: str, metric: str) -> tuple[float, float]:
@@ -93,7 +76,7 @@ def _less_swing(runs: Runs) -> Claim:
             f"{peak_pd:.1f}° under PD, below 1° for good after {seconds(time)} against "
             f"{seconds(time_pd)}"
         )
-    return Claim(
+    return _claim(
         "The proposed law swings the load less than PD, and ends the swing sooner.",
         "Section 5.1; Figs. 2, 4, 7, 9",
         _verdict(holds),
@@ -107,7 +90,7 @@ def _swing_gone_in_4_s(runs: Runs) -> Claim:
         time, time_pd = _pair(runs, name, "swing_settling_time")
         holds.append(time <= 4.5 and _sooner(time, time_pd))
         parts.append(f"{seconds(time)} and {seconds(time_pd)} under PD")
-    return Claim(
+    return _claim(
         "In the experiments the proposed law eliminates the swing in about 4 s; PD takes much "
         "longer.",
         "Section 5.2; Figs. 7, 9",
@@ -128,7 +111,7 @@ def _similar_positioning(runs: Runs) -> Claim:
             f"{runs[name]['pd'].scenario.title.split(':')[0]} {seconds(time)} against "
             f"{seconds(time_pd)}, overshoot {100 * over:.1f} cm against {100 * over_pd:.1f} cm"
         )
-    return Claim(
+    return _claim(
         "Positioning is about as fast and exact as under PD.",
         "Section 5.3, point 1; Figs. 2, 4, 7, 9",
         _verdict(holds),
@@ -144,7 +127,7 @@ def _goals_reached(runs: Runs) -> Claim:
             miss = float(np.abs(q - run.scenario.goal_vector()).max())
             holds.append(miss < 0.02)
             parts.append(miss)
-    return Claim(
+    return _claim(
         "Both laws drive the vehicles to the desired positions.",
         "Section 5.2",
         _verdict(holds),
@@ -162,7 +145,7 @@ def _pushes_recovered(runs: Runs) -> Claim:
         f"{seconds(b.time)} (peak {b.peak_swing:.1f}°)"
         for a, b in zip(ours, theirs, strict=True)
     ]
-    return Claim(
+    return _claim(
         "After sudden pushes on the bar the proposed law ends the swing sooner than PD.",
         "Section 5.2, Experiment 2; Fig. 11",
         _verdict(holds),
@@ -175,7 +158,7 @@ def _displacement_under_pushes(runs: Runs) -> Claim:
         law: float(np.abs(runs[PUSHED][law]["y1"] - runs[PUSHED][law]["y1"][0]).max())
         for law in ("energy_coupled", "pd")
     }
-    return Claim(
+    return _claim(
         "Under pushes the proposed law moves the vehicles farther along y, because it uses that "
         "motion to end the swing.",
         "Section 5.2, Experiment 2; Fig. 11",
@@ -188,7 +171,7 @@ def _displacement_under_pushes(runs: Runs) -> Claim:
 def _storage_never_rises(runs: Runs) -> Claim:
     rises = [runs[name]["energy_coupled"].metrics["storage_rise"] for name in SIMULATIONS]
     internal = [runs[name]["energy_coupled"].audit["internal_force"] for name in SIMULATIONS]
-    return Claim(
+    return _claim(
         "The storage function (49) never rises (Theorem 1).",
         "Section 4.2, (57), (58)",
         _verdict([rise < 1e-9 for rise in rises]),
@@ -203,7 +186,7 @@ def _estimates_do_not_identify(runs: Runs) -> Claim:
     ends = [float(run[c][-1]) for c in ("d_hat_y1", "d_hat_z1", "d_hat_y2", "d_hat_z2")]
     true = np.ravel(run.scenario.plant.vehicle_drag)
     holds = bool((np.abs(np.array(ends) - true) > 0.1 * np.abs(true)).all())
-    return Claim(
+    return _claim(
         "The drag estimates do not converge to one value, for lack of persistent excitation.",
         "Section 5.2, Experiment 2; Fig. 11",
         _verdict([holds]),
@@ -219,14 +202,18 @@ def discrepancies() -> list[Discrepancy]:
     at_rest = sim1.q_start
     tilted = at_rest + np.array([0, 0, 0, 0, 0.2, -0.1, 0.3])
     ranks = [
-        int(np.linalg.matrix_rank(np.array(_core.planar_mass_matrix(sim1.plant_values(), q))))
+        int(
+            np.linalg.matrix_rank(
+                np.array(_core.planar_mass_matrix(sim1.plant_values(), q.tolist()))
+            )
+        )
         for q in (tilted, at_rest)
     ]
     uneven = _uneven(sim1)
     run = simulate(uneven)
     mass = uneven.plant.vehicle_mass
     return [
-        Discrepancy(
+        _discrepancy(
             "The inertia matrix M is singular",
             f"Its rank is {ranks[0]} at most and {ranks[1]} where the load hangs straight, not 7: "
             "the kinetic energy (5) sees the three angle rates only through the bar's two velocity "
@@ -234,7 +221,7 @@ def discrepancies() -> list[Discrepancy]:
             "it is the geometry that the seven coordinates share, that the cables' ends are the "
             "bar's ends; this program simulates that system.",
         ),
-        Discrepancy(
+        _discrepancy(
             "The derivative (57) of the storage function lacks a term",
             "With the bar's geometry, the difference of the cables' forces on the bar does work on "
             "the deformation of the formation, and for unequal masses on the swing. It vanishes "
@@ -245,11 +232,11 @@ def discrepancies() -> list[Discrepancy]:
             f"on the whole, rises by up to {1e3 * run.metrics['storage_rise']:.1f} mJ on the way; "
             f"the audit's integration error is {run.audit['largest_integration_error']:.0e} J.",
         ),
-        Discrepancy(
+        _discrepancy(
             "Two typing errors",
             "In (42), the term printed θ̈1²θ̇2 is θ̇1²θ̇2. In (46), 2l3S3θ3 is 2l3S3θ̇3.",
         ),
-        Discrepancy(
+        _discrepancy(
             "The estimate ω̂ is not an identified drag",
             "For kλ = 0 the law (51) reads ω̂˙ = −γẏ²: the estimate only ever falls, whatever the "
             "drag is, so that Φω̂ acts as added damping. The paper notes the lack of excitation.",

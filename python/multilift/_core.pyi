@@ -1,0 +1,101 @@
+"""
+Compiled core of multilift. Use the multilift package; this module may change.
+"""
+
+from collections.abc import Callable, Sequence
+
+
+def build_info() -> dict:
+    """Compiler, and the commit of the sources where they were a checkout."""
+
+def sincos(x: float) -> tuple:
+    """Sine and cosine of x, rad."""
+
+def sincos_lanes(x: float) -> tuple:
+    """Sine and cosine of x, rad, as a lane of a SIMD register computes them."""
+
+def philox(counter: Sequence[int], key: Sequence[int]) -> list[int]:
+    """One block of Philox 4x32-10."""
+
+def normal_pair(seed: int, stream: int, index: int) -> list[float]:
+    """Two standard normal draws, a pure function of the arguments."""
+
+def planar_plant_fields() -> list:
+    """Fields of the planar plant's parameters."""
+
+def planar_motion(plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], loads: Sequence[float]) -> dict:
+    """
+    Accelerations and tensions by the fast formulation, at seven coordinates that satisfy the closure. loads: u1..u4, vehicle pushes (4), bar push (2), N, bar torque, N m.
+    """
+
+def planar_redundant_motion(plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], loads: Sequence[float]) -> dict:
+    """The same by equations (7)-(16) with the closure's multipliers."""
+
+def planar_mass_matrix(plant: Sequence[float], q: Sequence[float]) -> list[list[float]]:
+    """M(q) of (15)."""
+
+def planar_closure(plant: Sequence[float], q: Sequence[float]) -> list[float]:
+    """c(q), m."""
+
+def planar_seven(plant: Sequence[float], bar: Sequence[float], theta: Sequence[float], bar_velocity: Sequence[float], theta_dot: Sequence[float]) -> tuple:
+    """q and q_dot from the five free coordinates and their rates."""
+
+def planar_free_coordinates(plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float]) -> list[float]:
+    """
+    [bar y, bar z, theta1..3 and their rates] from the seven coordinates and their rates.
+    """
+
+def planar_jacobian(plant: Sequence[float], free_coordinates: Sequence[float], u: Sequence[float]) -> list[list[float]]:
+    """
+    Exact derivatives, 10 x 14, of the rates of the free coordinates along themselves and u.
+    """
+
+def planar_energies(plant: Sequence[float], k_lambda: float, k_p: Sequence[float], k_d: Sequence[float], gamma: Sequence[float], goal: Sequence[float], d_hat: Sequence[float], q: Sequence[float], q_dot: Sequence[float], loads: Sequence[float]) -> dict:
+    """Energies (18), (46), (49), J, and the powers that change (49), W."""
+
+def planar_laws() -> dict:
+    """{name: (title, gain fields)} of every compiled planar law."""
+
+def planar_law_nanoseconds(law: str, gains: Sequence[float], assumed_plant: Sequence[float], goal: Sequence[float], period: float, repetitions: int) -> float:
+    """Mean time of one step of a compiled law, ns, for benchmarks."""
+
+class PlanarLaw:
+    """A compiled planar control law, stepped by hand."""
+
+    def __init__(self, name: str, gains: Sequence[float], assumed_plant: Sequence[float], goal: Sequence[float], period: float) -> None: ...
+
+    def step(self, q: Sequence[float], q_dot: Sequence[float], saturated: tuple[bool, bool] = (False, False)) -> list[float]:
+        """
+        u1..u4, N, from measured coordinates and rates; advances the law by one period.
+        """
+
+    @property
+    def d_hat(self) -> list[float]:
+        """Drag estimates d_hat_y1, d_hat_z1, d_hat_y2, d_hat_z2, N s/m."""
+
+def planar_actuator_fields() -> list: ...
+
+def planar_sensor_fields() -> list: ...
+
+def planar_describe() -> dict:
+    """{'columns' | 'metrics' | 'audit': [(name, unit, meaning), ...]}."""
+
+planar_delay_capacity: int = 256
+
+class PlanarPush:
+    """An outside force on a body as a function of time."""
+
+    def __init__(self, body: str, force: Sequence[float], torque: float, shape: str, start: float, duration: float, frequency: float, sample_times: Sequence[float], sample_values: Sequence[float]) -> None: ...
+
+class PlanarSetup:
+    """A run, less its control law."""
+
+    def __init__(self, plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int) -> None: ...
+
+def planar_rollout(setup: PlanarSetup, law: str, gains: Sequence[float], assumed_plant: Sequence[float]) -> dict:
+    """Runs a compiled law. Releases the GIL."""
+
+def planar_rollout_python(setup: PlanarSetup, law: Callable) -> dict:
+    """
+    Runs a law written in Python, law(t, q, q_dot, saturated) -> (u1, u2, u3, u4).
+    """

@@ -1,0 +1,49 @@
+"""The colour and line of each law, the same in every drawing of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LawStyle:
+    """How a law's curves look: colour, and a dash pattern in pixels, empty for a solid line."""
+
+    color: str
+    dashes: tuple[float, ...]
+
+
+DESIRED_STYLE = LawStyle("#000000", (2.0, 3.0))
+_KNOWN_STYLES = {
+    "pd": LawStyle("#D55E00", (7.0, 3.0)),
+    "energy_coupled": LawStyle("#0072B2", ()),
+}
+_FURTHER_STYLES = (
+    LawStyle("#009E73", (9.0, 3.0, 2.0, 3.0)),
+    LawStyle("#CC79A7", (12.0, 3.0)),
+    LawStyle("#7A6A00", (5.0, 2.0, 2.0, 2.0, 2.0, 2.0)),
+    LawStyle("#56B4E9", (3.0, 2.0)),
+)
+
+
+def law_styles(names: Sequence[str]) -> dict[str, LawStyle]:
+    """Assigns each law its colour and line.
+
+    Args:
+        names: Laws in order of appearance; repetitions are fine.
+
+    Returns:
+        A style for each name. Beyond four laws without a style of their own, styles repeat.
+    """
+    styles: dict[str, LawStyle] = {}
+    further = 0
+    for name in names:
+        if name in styles:
+            continue
+        if name in _KNOWN_STYLES:
+            styles[name] = _KNOWN_STYLES[name]
+        else:
+            styles[name] = _FURTHER_STYLES[further % len(_FURTHER_STYLES)]
+            further += 1
+    return styles
