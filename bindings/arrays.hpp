@@ -31,7 +31,6 @@ inline planar::Loads<double> loads_from(const ElevenLoads& x) {
           x[10]};
 }
 
-
 inline planar::Plant<double> plant_from(const std::vector<double>& values) {
   return planar::Plant<double>(
       unpack_checked<planar::Parameters<double>>(values, "the planar plant"));

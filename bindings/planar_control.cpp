@@ -107,8 +107,9 @@ void bind_planar_control(nb::module_& m) {
       .def("step", &step, nb::arg("q"), nb::arg("q_dot"),
            nb::arg("saturated") = std::pair(false, false),
            "u1..u4, N, from measured coordinates and rates; advances the law by one period.")
-      .def_prop_ro("d_hat", [](const SteppedLaw& law) { return four_from(law.d_hat()); },
-                   "Drag estimates d_hat_y1, d_hat_z1, d_hat_y2, d_hat_z2, N s/m.");
+      .def_prop_ro(
+          "d_hat", [](const SteppedLaw& law) { return four_from(law.d_hat()); },
+          "Drag estimates d_hat_y1, d_hat_z1, d_hat_y2, d_hat_z2, N s/m.");
 }
 
 }  // namespace multilift::bindings

@@ -37,9 +37,9 @@ nb::dict fast_motion(const Values& values, const Seven<double>& q, const Seven<d
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& [direction, tangent, arm] = pose.cable[i];
     const double w = state.theta_dot[i], w3 = state.theta_dot[2];
-    acceleration[i] = result.bar_acceleration + result.theta_ddot[2] * perpendicular(arm) -
-                      (w3 * w3) * arm -
-                      plant.cable_length[i] * (result.theta_ddot[i] * tangent + (w * w) * direction);
+    acceleration[i] =
+        result.bar_acceleration + result.theta_ddot[2] * perpendicular(arm) - (w3 * w3) * arm -
+        plant.cable_length[i] * (result.theta_ddot[i] * tangent + (w * w) * direction);
   }
   d["q_ddot"] = join_seven(acceleration, result.theta_ddot);
   return d;
@@ -66,15 +66,13 @@ nb::dict energies(const Values& values, double k_lambda, const Four& k_p, const 
   const Pose<double> pose = pose_of(plant, state);
   const auto given = loads_from(loads);
   const auto now = motion(plant, state, pose, given);
-  auto powers =
-      powers_of(plant, gains, state, pose, given, now, pair_from(goal), pair_from(d_hat));
+  auto powers = powers_of(plant, gains, state, pose, given, now, pair_from(goal), pair_from(d_hat));
   nb::dict d;
   d["mechanical"] = mechanical_energy(plant, state, pose);
   d["shaped"] = shaped_energy(plant, k_lambda, state, pose);
-  d["storage"] =
-      storage_function(plant, gains, state, pose, pair_from(goal), pair_from(d_hat));
-  planar::Powers<double>::visit(
-      powers, [&](const Field& field, double power) { d[field.name] = power; });
+  d["storage"] = storage_function(plant, gains, state, pose, pair_from(goal), pair_from(d_hat));
+  planar::Powers<double>::visit(powers,
+                                [&](const Field& field, double power) { d[field.name] = power; });
   return d;
 }
 
@@ -93,9 +91,9 @@ std::array<std::array<double, 14>, 10> jacobian(const Values& values,
   planar::Loads<D> loads;
   loads.u = {Vec2<D>{v[10], v[11]}, Vec2<D>{v[12], v[13]}};
   const auto rate = motion(plant, state, pose_of(plant, state), loads).rate(state);
-  return {rate.bar_velocity.y.d,     rate.bar_velocity.z.d,     rate.theta_dot[0].d,
-          rate.theta_dot[1].d,       rate.theta_dot[2].d,       rate.bar_acceleration.y.d,
-          rate.bar_acceleration.z.d, rate.theta_ddot[0].d,      rate.theta_ddot[1].d,
+  return {rate.bar_velocity.y.d,     rate.bar_velocity.z.d, rate.theta_dot[0].d,
+          rate.theta_dot[1].d,       rate.theta_dot[2].d,   rate.bar_acceleration.y.d,
+          rate.bar_acceleration.z.d, rate.theta_ddot[0].d,  rate.theta_ddot[1].d,
           rate.theta_ddot[2].d};
 }
 
@@ -141,10 +139,9 @@ void bind_planar_model(nb::module_& m) {
       "planar_free_coordinates",
       [](const Values& values, const Seven<double>& q, const Seven<double>& q_dot) {
         const auto s = state_from_seven(plant_from(values), q, q_dot);
-        return std::array<double, 10>{s.bar.y,      s.bar.z,          s.theta[0],
-                                      s.theta[1],   s.theta[2],       s.bar_velocity.y,
-                                      s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1],
-                                      s.theta_dot[2]};
+        return std::array<double, 10>{
+            s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
+            s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2]};
       },
       nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"),
       "[bar y, bar z, theta1..3 and their rates] from the seven coordinates and their rates.");

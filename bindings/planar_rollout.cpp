@@ -10,10 +10,10 @@ namespace multilift::bindings {
 
 namespace {
 
+using planar::join_seven;
 using planar::Measurement;
 using planar::Parameters;
 using planar::Plant;
-using planar::join_seven;
 using planar::Pose;
 using planar::Push;
 using planar::Sample;
@@ -85,8 +85,8 @@ nb::dict result_of(const planar::Outcome<double>& outcome, Table&& table) {
   nb::capsule owner(numbers, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
   const std::size_t rows = numbers->size() / table.columns;
   nb::dict d;
-  d["samples"] = nb::ndarray<nb::numpy, double, nb::ndim<2>>(numbers->data(),
-                                                             {rows, table.columns}, owner);
+  d["samples"] =
+      nb::ndarray<nb::numpy, double, nb::ndim<2>>(numbers->data(), {rows, table.columns}, owner);
   d["status"] = multilift::name_of(outcome.status);
   d["culprit"] = outcome.culprit;
   d["end_time"] = outcome.end_time;
@@ -173,13 +173,13 @@ nb::dict describe() {
   nb::list columns;
   planar::IdealActuators<double> actuators;
   planar::IdealSensors<double> sensors;
-  const auto outcome = planar::rollout<true>(
-      setup.plant, setup.start, setup.goal, idle, actuators, sensors, setup.pushes, setup.timing,
-      [&](const Sample<double>& sample) {
-        visit_columns(sample, [&](const Field& field, double) {
-          columns.append(nb::make_tuple(field.name, field.unit, field.doc));
-        });
-      });
+  const auto outcome =
+      planar::rollout<true>(setup.plant, setup.start, setup.goal, idle, actuators, sensors,
+                            setup.pushes, setup.timing, [&](const Sample<double>& sample) {
+                              visit_columns(sample, [&](const Field& field, double) {
+                                columns.append(nb::make_tuple(field.name, field.unit, field.doc));
+                              });
+                            });
   nb::dict d;
   d["columns"] = columns;
   d["metrics"] = entry_table(outcome.metrics);
@@ -201,10 +201,10 @@ void bind_planar_rollout(nb::module_& m) {
            nb::arg("shape"), nb::arg("start"), nb::arg("duration"), nb::arg("frequency"),
            nb::arg("sample_times"), nb::arg("sample_values"));
   nb::class_<Setup>(m, "PlanarSetup", "A run, less its control law.")
-      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"),
-           nb::arg("goal"), nb::arg("pushes"), nb::arg("step"), nb::arg("steps"),
-           nb::arg("control_steps"), nb::arg("record_steps"), nb::arg("actuators"),
-           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"));
+      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"), nb::arg("goal"),
+           nb::arg("pushes"), nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"),
+           nb::arg("record_steps"), nb::arg("actuators"), nb::arg("sensors"), nb::arg("ideal"),
+           nb::arg("seed"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
         nb::arg("assumed_plant"), "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),

@@ -38,7 +38,8 @@ BASELINE = LineStyle("#D55E00", "--", "PD")
 OTHERS = (("#009E73", "-."), ("#CC79A7", ":"))
 DESIRED = LineStyle("black", "--", "desired")
 
-_RC: Any = {
+#: Sizes and rules of every figure, for matplotlib's rc_context.
+RC: Any = {
     "font.size": 8.0,
     "axes.labelsize": 8.0,
     "xtick.labelsize": 7.0,
@@ -116,7 +117,7 @@ def _stack(
     *,
     height: float,
 ) -> Figure:
-    with rc_context(_RC):
+    with rc_context(RC):
         figure = Figure(figsize=(5.6, height * len(panels) + 0.75), layout="constrained")
         axes: list[Axes] = list(figure.subplots(len(panels), 1, sharex=True))
         looks = styles(runs)

@@ -1,10 +1,10 @@
 // How a parameter struct describes itself, once, for every reader: the scenario schema, its error
 // messages, the generated reference page, and the packing into flat arrays.
 //
-// A struct offers `template <class Self, class V> static void visit(Self& self, V&& v)`, which calls
-// `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R>, or a
-// std::array of either; its shape follows from its type and its default from its initialiser. A
-// default of NaN means that the scenario must give the value.
+// A struct offers `template <class Self, class V> static void visit(Self& self, V&& v)`, which
+// calls `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R>,
+// or a std::array of either; its shape follows from its type and its default from its initialiser.
+// A default of NaN means that the scenario must give the value.
 #pragma once
 
 #include <array>
@@ -60,9 +60,8 @@ template <class P>
 std::size_t count_scalars() {
   std::size_t count = 0;
   P parameters;
-  P::visit(parameters, [&](const Field&, auto& member) {
-    for_each_scalar(member, [&](auto&) { ++count; });
-  });
+  P::visit(parameters,
+           [&](const Field&, auto& member) { for_each_scalar(member, [&](auto&) { ++count; }); });
   return count;
 }
 

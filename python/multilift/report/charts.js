@@ -5,7 +5,9 @@
   const { data, column, endOf, make, whenNear } = report;
   const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Liberation Sans", Arial, sans-serif';
   const NARROW = 720; // px, below which all panels stand in one column
-  const LEGEND = 44, TITLE = 30, PANEL = 130, AXIS = 44; // px
+  const LEGEND = 44, TITLE = 30, AXIS = 44; // px
+  const INNER = 480; // px, height of all panels with their titles where there is room for two columns
+  const PANEL = 130; // px, height of a panel where there is not
 
   /** Runs the embedded library the first time a chart is drawn. */
   function plotly() {
@@ -86,8 +88,8 @@
       const two = this.drawnColumns === 2 && panels.some((panel) => panel.side === 1);
       const sides = two ? [0, 1].map((side) => panels.filter((panel) => panel.side === side)) : [panels];
       const rows = Math.max(...sides.map((side) => side.length));
-      const panelHeight = rows === 1 ? 2 * PANEL : PANEL;
-      const inner = rows * panelHeight + rows * TITLE;
+      const inner = this.drawnColumns === 2 ? INNER : Math.max(2, rows) * (PANEL + TITLE);
+      const panelHeight = inner / rows - TITLE;
       const end = endOf(this.test);
       const layout = {
         height: LEGEND + inner + AXIS,
@@ -102,6 +104,7 @@
         legend: { orientation: "h", x: 0, xanchor: "left", y: 1 + 6 / inner, yanchor: "bottom",
           groupclick: "togglegroup", font: { size: 13 } },
         hoverlabel: { font: { family: FONT, size: 12 } },
+        modebar: { bgcolor: "rgba(0,0,0,0)", color: "#8a939c", activecolor: "#1c2126" },
         annotations: [],
         shapes: [],
       };
@@ -129,7 +132,7 @@
             zerolinecolor: "#b9c1c8", automargin: false, ticksuffix: "", nticks: 5, fixedrange: false,
           };
           layout.annotations.push({
-            text: `${panel.label} [${panel.unit}]`, xref: "paper", yref: "paper", x: domain[0], y: top,
+            text: `${panel.symbol}${panel.meaning && ", "}${panel.meaning} [${panel.unit}]`, xref: "paper", yref: "paper", x: domain[0], y: top,
             xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12.5, color: "#1c2126" },
           });
           for (const push of this.test.pushes) {
@@ -140,7 +143,6 @@
             });
           }
           const axes = { xaxis: `x${suffix}`, yaxis };
-          const symbol = panel.label.split(",")[0];
           const goal = this.desired(panel);
           if (goal !== undefined) {
             trace("desired", data.desired, { ...axes, x: [0, end], y: [goal * panel.factor, goal * panel.factor],
@@ -152,7 +154,7 @@
             trace(run.title, data.styles[run.law], {
               ...axes, x: Array.from(column(run, "t")),
               y: Array.from(values, (x) => (Number.isFinite(x) ? x * panel.factor : null)),
-              hovertemplate: `${symbol} %{y:.4~g} ${panel.unit}`,
+              hovertemplate: `${panel.symbol} %{y:.4~g} ${panel.unit}`,
             });
           }
           if (k === side.length - 1) {
@@ -166,7 +168,8 @@
       });
       const config = {
         displaylogo: false, responsive: true, displayModeBar: "hover",
-        modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+        plotlyServerURL: "", // nothing leaves this page
+        modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
         toImageButtonOptions: { format: "svg", filename: `${this.test.key}-${this.quantity.name.toLowerCase().replaceAll(" ", "-")}` },
       };
       this.plot.style.height = `${layout.height}px`;

@@ -20,11 +20,19 @@ _DEGREE = 180.0 / math.pi
 
 
 def _panel(
-    column: str, label: str, unit: str, *, side: int = 0, factor: float = 1.0, desired: str = ""
+    column: str,
+    symbol: str,
+    meaning: str,
+    unit: str,
+    *,
+    side: int = 0,
+    factor: float = 1.0,
+    desired: str = "",
 ) -> dict[str, Any]:
     return {
         "column": column,
-        "label": label,
+        "symbol": symbol,
+        "meaning": meaning,
         "unit": unit,
         "side": side,
         "factor": factor,
@@ -32,11 +40,18 @@ def _panel(
     }
 
 
-def _per_vehicle(names: Sequence[tuple[str, str]], unit: str, goal: bool = False) -> list[Any]:
+def _per_vehicle(
+    names: Sequence[tuple[str, str, str]], unit: str, *, goal: bool = False
+) -> list[dict[str, Any]]:
+    """Panels of vehicle 1, then as many of vehicle 2."""
     return [
-        _panel(column, label, unit, side=k // 2, desired=f"goal{k}" if goal else "")
-        for k, (column, label) in enumerate(names)
+        _panel(*name, unit, side=2 * k // len(names), desired=f"goal{k}" if goal else "")
+        for k, name in enumerate(names)
     ]
+
+
+def _angles(names: Sequence[tuple[str, str, str]], unit: str, desired: str) -> list[dict[str, Any]]:
+    return [_panel(*name, unit, factor=_DEGREE, desired=desired) for name in names]
 
 
 # What the interactive curves can show; `side` is the column of panels, one for each vehicle.
@@ -45,10 +60,10 @@ _QUANTITIES: list[dict[str, Any]] = [
         "name": "Positions",
         "panels": _per_vehicle(
             [
-                ("y1", "y₁, vehicle 1 to the right"),
-                ("z1", "z₁, vehicle 1 up"),
-                ("y2", "y₂, vehicle 2 to the right"),
-                ("z2", "z₂, vehicle 2 up"),
+                ("y1", "y₁", "vehicle 1 to the right"),
+                ("z1", "z₁", "vehicle 1 up"),
+                ("y2", "y₂", "vehicle 2 to the right"),
+                ("z2", "z₂", "vehicle 2 up"),
             ],
             "m",
             goal=True,
@@ -56,83 +71,89 @@ _QUANTITIES: list[dict[str, Any]] = [
     },
     {
         "name": "Angles",
-        "panels": [
-            _panel("theta1", "θ₁, cable 1", "°", factor=_DEGREE, desired="zero"),
-            _panel("theta2", "θ₂, cable 2", "°", factor=_DEGREE, desired="zero"),
-            _panel("theta3", "θ₃, bar", "°", factor=_DEGREE, desired="zero"),
-        ],
+        "panels": _angles(
+            [
+                ("theta1", "θ₁", "cable 1"),
+                ("theta2", "θ₂", "cable 2"),
+                ("theta3", "θ₃", "bar"),
+            ],
+            "°",
+            "zero",
+        ),
     },
     {
         "name": "Velocities",
         "panels": _per_vehicle(
             [
-                ("y1_dot", "ẏ₁, vehicle 1"),
-                ("z1_dot", "ż₁, vehicle 1"),
-                ("y2_dot", "ẏ₂, vehicle 2"),
-                ("z2_dot", "ż₂, vehicle 2"),
+                ("y1_dot", "dy₁/dt", "vehicle 1 to the right"),
+                ("z1_dot", "dz₁/dt", "vehicle 1 up"),
+                ("y2_dot", "dy₂/dt", "vehicle 2 to the right"),
+                ("z2_dot", "dz₂/dt", "vehicle 2 up"),
             ],
             "m/s",
         ),
     },
     {
         "name": "Angle rates",
-        "panels": [
-            _panel("theta1_dot", "θ̇₁, cable 1", "°/s", factor=_DEGREE),
-            _panel("theta2_dot", "θ̇₂, cable 2", "°/s", factor=_DEGREE),
-            _panel("theta3_dot", "θ̇₃, bar", "°/s", factor=_DEGREE),
-        ],
+        "panels": _angles(
+            [
+                ("theta1_dot", "dθ₁/dt", "cable 1"),
+                ("theta2_dot", "dθ₂/dt", "cable 2"),
+                ("theta3_dot", "dθ₃/dt", "bar"),
+            ],
+            "°/s",
+            "",
+        ),
     },
     {
         "name": "Commands",
         "panels": _per_vehicle(
             [
-                ("u1", "u₁, vehicle 1 along y"),
-                ("u2", "u₂, vehicle 1 along z"),
-                ("u3", "u₃, vehicle 2 along y"),
-                ("u4", "u₄, vehicle 2 along z"),
+                ("u1", "u₁", "vehicle 1 along y"),
+                ("u2", "u₂", "vehicle 1 along z"),
+                ("u3", "u₃", "vehicle 2 along y"),
+                ("u4", "u₄", "vehicle 2 along z"),
             ],
             "N",
         ),
-        "note": "As the law gave them. u₂ and u₄ are counted from the force that carries the "
-        "weight.",
+        "note": "As the law gave them; u₂ and u₄ come on top of the force that carries the weight.",
     },
     {
         "name": "Commands as they act",
         "panels": _per_vehicle(
             [
-                ("u1_applied", "u₁ as it acts"),
-                ("u2_applied", "u₂ as it acts"),
-                ("u3_applied", "u₃ as it acts"),
-                ("u4_applied", "u₄ as it acts"),
+                ("u1_applied", "u₁", "as it acts on vehicle 1 along y"),
+                ("u2_applied", "u₂", "as it acts on vehicle 1 along z"),
+                ("u3_applied", "u₃", "as it acts on vehicle 2 along y"),
+                ("u4_applied", "u₄", "as it acts on vehicle 2 along z"),
             ],
             "N",
         ),
-        "note": "After limits, delay and lag of the vehicles.",
+        "note": "After the limits, delays and lags of the vehicles.",
     },
     {
         "name": "Thrust and tilt",
         "panels": [
-            _panel("thrust1", "thrust, vehicle 1", "N", side=0),
-            _panel("attitude1", "tilt, vehicle 1", "°", side=0, factor=_DEGREE),
-            _panel("thrust2", "thrust, vehicle 2", "N", side=1),
-            _panel("attitude2", "tilt, vehicle 2", "°", side=1, factor=_DEGREE),
+            _panel("thrust1", "thrust", "vehicle 1", "N"),
+            _panel("attitude1", "tilt", "vehicle 1", "°", factor=_DEGREE),
+            _panel("thrust2", "thrust", "vehicle 2", "N", side=1),
+            _panel("attitude2", "tilt", "vehicle 2", "°", side=1, factor=_DEGREE),
         ],
     },
     {
         "name": "Tensions",
-        "panels": [
-            _panel("tension1", "tension of cable 1", "N", side=0),
-            _panel("tension2", "tension of cable 2", "N", side=1),
-        ],
+        "panels": _per_vehicle(
+            [("tension1", "tension", "cable 1"), ("tension2", "tension", "cable 2")], "N"
+        ),
     },
     {
         "name": "Drag estimates",
         "panels": _per_vehicle(
             [
-                ("d_hat_y1", "d̂ of vehicle 1 along y"),
-                ("d_hat_z1", "d̂ of vehicle 1 along z"),
-                ("d_hat_y2", "d̂ of vehicle 2 along y"),
-                ("d_hat_z2", "d̂ of vehicle 2 along z"),
+                ("d_hat_y1", "estimate along y", "vehicle 1"),
+                ("d_hat_z1", "estimate along z", "vehicle 1"),
+                ("d_hat_y2", "estimate along y", "vehicle 2"),
+                ("d_hat_z2", "estimate along z", "vehicle 2"),
             ],
             "N s/m",
         ),
@@ -140,9 +161,9 @@ _QUANTITIES: list[dict[str, Any]] = [
     },
     {
         "name": "Storage function",
-        "panels": [_panel("storage", "storage function", "J")],
-        "note": "Each law has a storage function of its own: compare its course, not its level, "
-        "with another law's.",
+        "panels": [_panel("storage", "storage function", "", "J")],
+        "note": "Each law has its own storage function: compare its course with another law's, not "
+        "its level.",
     },
 ]
 _EMBEDDED = (

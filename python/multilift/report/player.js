@@ -740,10 +740,11 @@ const Player = (() => {
       }
       const stepA = compact ? niceBelow(0.95 * this.swing) : niceStep(this.swing / 2.3);
       c.textAlign = "right";
-      for (const angle of ticks(-this.swing, this.swing, stepA)) {
+      const angles = ticks(-this.swing, this.swing, stepA);
+      for (const angle of angles) {
         path(c, [[left, y(angle)], [right, y(angle)]]);
         c.stroke();
-        c.fillText(`${tickText(angle, stepA)}°`, left - 4, y(angle) + 3.5);
+        if (!compact || angle === 0 || Math.abs(angle) === angles.at(-1)) c.fillText(`${tickText(angle, stepA)}°`, left - 4, y(angle) + 3.5);
       }
       for (const push of this.test.pushes) {
         c.fillStyle = "rgb(28 33 38 / 18%)";

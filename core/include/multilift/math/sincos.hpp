@@ -26,7 +26,8 @@ MULTILIFT_INLINE SinCos<R> sincos(const R& x) {
   const R shift(0x1.8p52);
   const R k = (x * R(0x1.45f306dc9c883p-1) + shift) - shift;
   // pi/2 in parts of 33 bits: their products with k are exact up to |k| = 2^20.
-  const R r = ((x - k * R(0x1.921fb544p+0)) - k * R(0x1.0b4611a6p-34)) - k * R(0x1.3198a2e037073p-69);
+  const R r =
+      ((x - k * R(0x1.921fb544p+0)) - k * R(0x1.0b4611a6p-34)) - k * R(0x1.3198a2e037073p-69);
   const R u = r * r;
 
   // Both polynomials by pairs (Estrin): the loop around waits for their latency.

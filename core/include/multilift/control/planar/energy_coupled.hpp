@@ -25,8 +25,7 @@ class EnergyCoupled {
     }
   };
 
-  EnergyCoupled(const Gains& gains, const Plant<R>& assumed, const PerAxis<R>& goal,
-                double period)
+  EnergyCoupled(const Gains& gains, const Plant<R>& assumed, const PerAxis<R>& goal, double period)
       : k_lambda_(gains.k_lambda),
         assumed_(assumed),
         goal_(goal),

@@ -34,7 +34,7 @@ struct Motion {
 
 template <Real R>
 MULTILIFT_INLINE Motion<R> motion(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
-                 const Loads<R>& loads) {
+                                  const Loads<R>& loads) {
   const R half_bar_weight = R(0.5) * p.bar_mass * p.gravity;
   const R bar_rate_squared = square(state.theta_dot[2]);
   Symmetric3<R> inertia{p.bar_mass, R(0.0), p.bar_mass, R(0.0), R(0.0), p.bar_inertia};
@@ -54,7 +54,8 @@ MULTILIFT_INLINE Motion<R> motion(const Plant<R>& p, const State<R>& state, cons
     const Vec2<R> net = loads.u[i] + Vec2<R>{R(0.0), half_bar_weight} + loads.vehicle_push[i] -
                         scale(p.vehicle_drag[i], pose.vehicle_velocity[i]) - couple_force[i];
     free_acceleration[i] = p.inverse_mass[i] * net;
-    pull[i] = dot(d, net) + mass * (length * square(state.theta_dot[i]) + bar_rate_squared * dot(d, arm));
+    pull[i] =
+        dot(d, net) + mass * (length * square(state.theta_dot[i]) + bar_rate_squared * dot(d, arm));
     lever[i] = cross(arm, d);
 
     inertia.a00 += mass * d.y * d.y;

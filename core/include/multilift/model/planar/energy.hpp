@@ -31,10 +31,11 @@ struct Swing {
   Vec2<R> rate;          // s_y, s_z of (7)-(13), m/s
 };
 
-/// From the angles alone, as a controller sees them; p may be the controller's own idea of the plant.
+/// From the angles alone, as a controller sees them; p may be the controller's own idea of the
+/// plant.
 template <Real R>
 MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const std::array<SinCos<R>, 3>& angle,
-                  const std::array<R, 3>& theta_dot) {
+                                   const std::array<R, 3>& theta_dot) {
   const R l1 = p.cable_length[0], l2 = p.cable_length[1];
   const R twice_l3 = R(2.0) * p.bar_half_thickness;
   const auto& [s1, c1] = angle[0];
@@ -49,7 +50,8 @@ MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const std::array<SinCos<R>
 
 /// E of (18), J, plus the bar's rotational energy.
 template <Real R>
-MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state, const Pose<R>& pose) {
+MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state,
+                                     const Pose<R>& pose) {
   const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
   R twice_kinetic = p.bar_mass * dot(state.bar_velocity, state.bar_velocity) +
                     p.bar_inertia * square(state.theta_dot[2]);
@@ -61,12 +63,13 @@ MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state, c
 /// E_k of (46), J; the bar's rotational energy enters with weight 1 + k_lambda kappa.
 template <Real R>
 MULTILIFT_INLINE R shaped_energy(const Plant<R>& p, const R& k_lambda, const State<R>& state,
-                const Pose<R>& pose) {
+                                 const Pose<R>& pose) {
   const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
   // 2 (1 + m3/4m1 + m3/4m2) = m3 kappa / 2
   return mechanical_energy(p, state, pose) +
          R(0.5) * k_lambda *
-             (dot(swing.rate, swing.rate) + p.bar_mass * p.kappa * p.gravity * swing.displacement.z +
+             (dot(swing.rate, swing.rate) +
+              p.bar_mass * p.kappa * p.gravity * swing.displacement.z +
               p.kappa * p.bar_inertia * square(state.theta_dot[2]));
 }
 
@@ -78,10 +81,11 @@ struct UnifiedError {
 };
 
 template <Real R>
-MULTILIFT_INLINE UnifiedError<R> unified_error(const Plant<R>& p, const R& k_lambda, const Swing<R>& swing,
-                              const std::array<Vec2<R>, 2>& vehicle,
-                              const std::array<Vec2<R>, 2>& vehicle_velocity,
-                              const std::array<Vec2<R>, 2>& goal) {
+MULTILIFT_INLINE UnifiedError<R> unified_error(const Plant<R>& p, const R& k_lambda,
+                                               const Swing<R>& swing,
+                                               const std::array<Vec2<R>, 2>& vehicle,
+                                               const std::array<Vec2<R>, 2>& vehicle_velocity,
+                                               const std::array<Vec2<R>, 2>& goal) {
   UnifiedError<R> error;
   for (std::size_t i = 0; i < 2; ++i) {
     const R coupling = k_lambda * p.inverse_mass[i];  // eta_i = -(k_lambda/m_i) swing, (47)
@@ -105,12 +109,13 @@ R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
 
 /// The storage function (49), J.
 template <Real R>
-MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& gains, const State<R>& state,
-                   const Pose<R>& pose, const std::array<Vec2<R>, 2>& goal,
-                   const std::array<Vec2<R>, 2>& d_hat) {
+MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& gains,
+                                    const State<R>& state, const Pose<R>& pose,
+                                    const std::array<Vec2<R>, 2>& goal,
+                                    const std::array<Vec2<R>, 2>& d_hat) {
   const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
-  const UnifiedError<R> error = unified_error(p, gains.k_lambda, swing, pose.vehicle,
-                                              pose.vehicle_velocity, goal);
+  const UnifiedError<R> error =
+      unified_error(p, gains.k_lambda, swing, pose.vehicle, pose.vehicle_velocity, goal);
   R twice_spring(0.0);
   for (std::size_t i = 0; i < 2; ++i)
     twice_spring += dot(gains.k_p[i], scale(error.eps[i], error.eps[i]));
@@ -152,12 +157,14 @@ struct Powers {
 };
 
 template <Real R>
-MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains, const State<R>& state,
-                    const Pose<R>& pose, const Loads<R>& loads, const Motion<R>& motion,
-                    const std::array<Vec2<R>, 2>& goal, const std::array<Vec2<R>, 2>& d_hat) {
+MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains,
+                                     const State<R>& state, const Pose<R>& pose,
+                                     const Loads<R>& loads, const Motion<R>& motion,
+                                     const std::array<Vec2<R>, 2>& goal,
+                                     const std::array<Vec2<R>, 2>& d_hat) {
   const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
-  const UnifiedError<R> error = unified_error(p, gains.k_lambda, swing, pose.vehicle,
-                                              pose.vehicle_velocity, goal);
+  const UnifiedError<R> error =
+      unified_error(p, gains.k_lambda, swing, pose.vehicle, pose.vehicle_velocity, goal);
   const R coupling = gains.k_lambda * p.kappa;
   const R one(1.0), half(0.5);
 
@@ -179,8 +186,9 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   }
   const Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
   const R mass_asymmetry = p.inverse_mass[0] - p.inverse_mass[1];
-  w.internal = half * dot(difference, coupling * (pose.vehicle_velocity[0] - pose.vehicle_velocity[1]) +
-                                          gains.k_lambda * mass_asymmetry * swing.rate);
+  w.internal =
+      half * dot(difference, coupling * (pose.vehicle_velocity[0] - pose.vehicle_velocity[1]) +
+                                 gains.k_lambda * mass_asymmetry * swing.rate);
   return w;
 }
 

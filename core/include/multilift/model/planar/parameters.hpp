@@ -39,7 +39,6 @@ struct Parameters {
             "damping d_theta1, d_theta2, d_theta3 of the three angles, equation (14)"},
       self.swing_damping);
   }
-
 };
 
 /// The parameters with what the equations divide by, found once.

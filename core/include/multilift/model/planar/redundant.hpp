@@ -4,10 +4,10 @@
 //     [ M  J^T ] [ q_ddot ]   [ U + F_r + F_push - C q_dot - G ]
 //     [ J   0  ] [  -mu   ] = [ -J_dot q_dot                   ]
 //
-// M alone has rank 6 at most (5 where the load hangs straight), since the angles enter the kinetic energy (5) only through the bar's two
-// velocity components; with the closure c(q) = 0 and its multipliers mu (the bar's internal force,
-// +mu on its end 2 and -mu on its end 1) the system is regular. Used as the reference that the
-// fast formulation (dynamics.hpp) is tested against.
+// M alone has rank 6 at most (5 where the load hangs straight), since the angles enter the kinetic
+// energy (5) only through the bar's two velocity components; with the closure c(q) = 0 and its
+// multipliers mu (the bar's internal force, +mu on its end 2 and -mu on its end 1) the system is
+// regular. Used as the reference that the fast formulation (dynamics.hpp) is tested against.
 #pragma once
 
 #include "multilift/math/dense.hpp"
@@ -77,8 +77,8 @@ struct RedundantMotion {
 };
 
 template <Real R>
-RedundantMotion<R> redundant_motion(const Plant<R>& p, const Seven<R>& q,
-                                    const Seven<R>& q_dot, const Loads<R>& loads) {
+RedundantMotion<R> redundant_motion(const Plant<R>& p, const Seven<R>& q, const Seven<R>& q_dot,
+                                    const Loads<R>& loads) {
   const BarJacobian<R> jacobian = bar_jacobian(p, q, q_dot);
   const Matrix<R, 7> m = mass_matrix(p, jacobian);
   const Seven<R> g = gravity_vector(p, q);

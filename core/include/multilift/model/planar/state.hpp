@@ -4,7 +4,8 @@
 // ends are the bar's ends: the bar's centre of mass and the three angles. The paper's seven
 // redundant coordinates q = [y1 z1 y2 z2 theta1 theta2 theta3] follow from them, so the closure
 // c(q) = 0 cannot drift. Signs are the paper's: a positive theta1 carries the lower end of cable 1
-// towards +y, a positive theta2 that of cable 2 towards -y, a positive theta3 lifts the bar's end 2.
+// towards +y, a positive theta2 that of cable 2 towards -y, a positive theta3 lifts the bar's
+// end 2.
 #pragma once
 
 #include <array>
@@ -44,10 +45,10 @@ struct StateRate {
 
 template <Real R>
 struct State {
-  Vec2<R> bar;                                                   // centre of mass, m
-  std::array<R, 3> theta{R(0.0), R(0.0), R(0.0)};                // rad
-  Vec2<R> bar_velocity;                                          // m/s
-  std::array<R, 3> theta_dot{R(0.0), R(0.0), R(0.0)};            // rad/s
+  Vec2<R> bar;                                         // centre of mass, m
+  std::array<R, 3> theta{R(0.0), R(0.0), R(0.0)};      // rad
+  Vec2<R> bar_velocity;                                // m/s
+  std::array<R, 3> theta_dot{R(0.0), R(0.0), R(0.0)};  // rad/s
 
   /// The state after a time h at the given rate.
   State moved(const StateRate<R>& rate, const R& h) const {
@@ -96,8 +97,7 @@ MULTILIFT_INLINE Pose<R> pose_of(const Plant<R>& p, const State<R>& state) {
     cable.tangent = {side * c, s};
     cable.arm = up_to_line - side * along_bar;
     pose.vehicle[i] = state.bar + cable.arm + p.cable_length[i] * cable.direction;
-    pose.vehicle_velocity[i] = state.bar_velocity +
-                               state.theta_dot[2] * perpendicular(cable.arm) -
+    pose.vehicle_velocity[i] = state.bar_velocity + state.theta_dot[2] * perpendicular(cable.arm) -
                                p.cable_length[i] * state.theta_dot[i] * cable.tangent;
   }
   return pose;

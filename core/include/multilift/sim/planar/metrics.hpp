@@ -74,7 +74,8 @@ class Metrics {
     for (std::size_t k = 0; k < 3; ++k)
       v(Field{peak_names[k], "deg", Range::any, peak_docs[k]}, value(peak_swing_[k]) / degree);
     v(Field{"swing_settling_time", "s", Range::any,
-            "last time |theta1| or |theta2| exceeds 1 degree; 0 if never, empty if still at the end"},
+            "last time |theta1| or |theta2| exceeds 1 degree; 0 if never, empty if still at the "
+            "end"},
       settled(last_swing_));
     v(Field{"position_settling_time", "s", Range::any,
             "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end"},
