@@ -2,9 +2,8 @@
 
 from importlib import resources
 
-from nanobind.stubgen import StubGen
-
 import multilift._core
+from nanobind.stubgen import StubGen
 
 
 def test_stub_is_current():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,33 @@ from numpy.typing import NDArray
 from multilift import _core, geometry
 from multilift.errors import ScenarioError
 
-if TYPE_CHECKING:
-    from multilift.scenario import Scenario
+
+class ClosedLoop(Protocol):
+    """What the linearisation needs of a scenario."""
+
+    values: dict[str, Any]
+
+    @property
+    def law(self) -> str:
+        """Name of the compiled law."""
+
+    def plant_values(self) -> list[float]:
+        """The plant's numbers in the core's order."""
+
+    def assumed_values(self) -> list[float]:
+        """The plant as the law assumes it."""
+
+    def gain_values(self) -> list[float]:
+        """The law's gains."""
+
+    def goal_vector(self) -> NDArray[np.float64]:
+        """[y1d, z1d, y2d, z2d], m."""
+
+    def control_period(self) -> float:
+        """Time between two steps of the law, s."""
 
 
-def closed_loop_matrix(scenario: Scenario) -> NDArray[np.float64]:
+def closed_loop_matrix(scenario: ClosedLoop) -> NDArray[np.float64]:
     """The closed loop's 10x10 state matrix where the load hangs at rest at the goal.
 
     State: the bar's centre of mass (y, z), theta1..3, and their rates. The plant is differentiated
@@ -80,7 +102,7 @@ def largest_stable_step(matrix: NDArray[np.float64]) -> float:
     return float(limits.min())
 
 
-def check_step(scenario: Scenario) -> None:
+def check_step(scenario: ClosedLoop, where: str) -> None:
     """Refuses an integration step that is too large for the stiffest mode near the goal.
 
     Raises:
@@ -94,7 +116,7 @@ def check_step(scenario: Scenario) -> None:
     if step > limit:
         raise ScenarioError(
             "is too large for the stiffest mode of the closed loop, which RK4 would blow up",
-            where=scenario.where,
+            where=where,
             key="simulation.step",
             value=step,
             permitted=f"0 < step <= {limit:.4g} s",
