@@ -4,9 +4,8 @@ import json
 import subprocess
 import sys
 
-import pytest
-
 import multilift as ml
+import pytest
 
 
 def multilift(*arguments, cwd=None):

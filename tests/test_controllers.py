@@ -1,9 +1,8 @@
 """Control laws by name, from files and from Python."""
 
+import multilift as ml
 import numpy as np
 import pytest
-
-import multilift as ml
 from multilift import controllers
 
 SHORT = ml.load("sim1").with_values({"simulation.duration": 0.5})

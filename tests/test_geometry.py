@@ -1,9 +1,8 @@
 """Where a bar can hang: rest is stationary, closed and found where it exists."""
 
+import multilift as ml
 import numpy as np
 import pytest
-
-import multilift as ml
 from multilift import _core, geometry
 
 SIM1 = ml.load("sim1")

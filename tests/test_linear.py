@@ -1,9 +1,8 @@
 """The closed loop near its goal: modes, and the step that the integrator can take."""
 
+import multilift as ml
 import numpy as np
 import pytest
-
-import multilift as ml
 from multilift import _core, linear
 
 NAMES = ["sim1", "sim2", "exp1_1", "exp1_2", "exp2"]

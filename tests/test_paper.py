@@ -3,11 +3,10 @@
 import json
 import re
 
+import multilift as ml
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-
-import multilift as ml
 from multilift import paper
 from multilift.paper import claims, page
 

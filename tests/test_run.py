@@ -2,11 +2,10 @@
 
 import json
 
+import multilift as ml
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-
-import multilift as ml
 from multilift import quantities
 
 RUN = ml.simulate(ml.load("sim1").with_values({"simulation.duration": 2.0}))

@@ -3,10 +3,9 @@
 import math
 import tomllib
 
+import multilift as ml
 import numpy as np
 import pytest
-
-import multilift as ml
 from multilift import library, schema
 from multilift.scenario import Scenario
 

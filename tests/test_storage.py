@@ -3,9 +3,8 @@
 import errno
 import os
 
-import pytest
-
 import multilift as ml
+import pytest
 from multilift import storage
 
 RUN = ml.simulate(ml.load("sim1").with_values({"simulation.duration": 0.1}))

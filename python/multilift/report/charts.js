@@ -9,6 +9,9 @@
   const INNER = 480; // px, height of all panels with their titles where there is room for two columns
   const PANEL = 130; // px, height of a panel where there is not
 
+  // A finger that drags wants to scroll the page, not to zoom.
+  const DRAGS = matchMedia("(pointer: fine)").matches;
+
   /** Runs the embedded library the first time a chart is drawn. */
   function plotly() {
     if (!window.Plotly) {
@@ -64,9 +67,9 @@
       this.quantity = quantity;
       this.note.textContent = [
         quantity.note ?? "",
-        "Drag to zoom in time, double-click to see all; the time range stays when the quantity changes.",
+        DRAGS ? "Drag to zoom, double-click to see all; the time range stays when the quantity changes." : "",
         "A click on a curve takes the animation there.",
-      ].join(" ").trim();
+      ].filter(Boolean).join(" ");
       this.draw();
     }
 
@@ -99,7 +102,7 @@
         plot_bgcolor: "rgba(0,0,0,0)",
         hovermode: "x unified",
         hoversubplots: "axis",
-        dragmode: "zoom",
+        dragmode: DRAGS ? "zoom" : false,
         showlegend: true,
         legend: { orientation: "h", x: 0, xanchor: "left", y: 1 + 6 / inner, yanchor: "bottom",
           groupclick: "togglegroup", font: { size: 13 } },

@@ -14,7 +14,7 @@ class LawStyle:
     dashes: tuple[float, ...]
 
 
-DESIRED_STYLE = LawStyle("#000000", (2.0, 3.0))
+DESIRED_STYLE = LawStyle("#000000", (4.0, 3.0))
 _KNOWN_STYLES = {
     "pd": LawStyle("#D55E00", (7.0, 3.0)),
     "energy_coupled": LawStyle("#0072B2", ()),
