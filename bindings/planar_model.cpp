@@ -1,4 +1,6 @@
 // The planar plant: parameters, both formulations, energies, linearisation.
+#include <nanobind/stl/optional.h>
+
 #include "arrays.hpp"
 
 namespace multilift::bindings {
@@ -122,6 +124,16 @@ void bind_planar_model(nb::module_& m) {
         return std::array<double, 2>{c.y, c.z};
       },
       nb::arg("plant"), nb::arg("q"), "c(q), m.");
+  m.def(
+      "planar_rest_angles",
+      [](const Values& values, const Four& vehicle) -> std::optional<std::array<double, 3>> {
+        std::array<double, 3> theta{};
+        if (!rest_angles(plant_from(values), pair_from(vehicle), theta)) return std::nullopt;
+        return theta;
+      },
+      nb::arg("plant"), nb::arg("vehicle_position"),
+      "Angles, rad, at which the load hangs at rest below vehicles at (y1, z1, y2, z2), m; None "
+      "where there is no rest with all angles inside +-pi/2.");
   m.def(
       "planar_seven",
       [](const Values& values, const std::array<double, 2>& bar, const std::array<double, 3>& theta,

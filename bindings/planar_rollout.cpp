@@ -15,7 +15,7 @@ using planar::Measurement;
 using planar::Parameters;
 using planar::Plant;
 using planar::Pose;
-using planar::Push;
+using Push = planar::Push<double>;
 using planar::Sample;
 using planar::Seven;
 using planar::State;
@@ -54,14 +54,14 @@ struct Setup {
   std::vector<Push> pushes;
   Timing timing;
   bool ideal;  // actuators and sensors without any imperfection
-  planar::ActuatorParameters actuators;
-  planar::SensorParameters sensors;
+  planar::ActuatorParameters<double> actuators;
+  planar::SensorParameters<double> sensors;
   std::uint64_t seed;
 };
 
 template <class Law>
 planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
-  const auto record = [&](const Sample<double>& sample) {
+  const auto record = [&](const Sample<double>& sample, bool) {
     const std::size_t before = table.numbers.size();
     visit_columns(sample, [&](const Field&, double x) { table.numbers.push_back(x); });
     table.columns = table.numbers.size() - before;
@@ -71,13 +71,13 @@ planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
     planar::IdealActuators<double> actuators;
     planar::IdealSensors<double> sensors;
     return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
-                                 s.timing, record);
+                                 s.timing, record)[0];
   }
-  planar::TestbedActuators actuators(s.actuators, s.plant, s.timing.step);
-  planar::TestbedSensors sensors(s.sensors, s.timing.control_steps, s.timing.step, s.seed, s.start,
+  planar::TestbedActuators<double> actuators(s.actuators, s.plant, s.timing.step);
+  planar::TestbedSensors<double> sensors(s.sensors, s.timing.control_steps, s.timing.step, {s.seed}, s.start,
                                  pose_of(s.plant, s.start));
   return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
-                               s.timing, record);
+                               s.timing, record)[0];
 }
 
 nb::dict result_of(const planar::Outcome<double>& outcome, Table&& table) {
@@ -131,8 +131,8 @@ Setup make_setup(const Values& plant, const Seven<double>& q, const Seven<double
           std::move(pushes),
           {step, steps, control_steps, record_steps},
           ideal,
-          unpack_checked<planar::ActuatorParameters>(actuators, "actuators"),
-          unpack_checked<planar::SensorParameters>(sensors, "sensors"),
+          unpack_checked<planar::ActuatorParameters<double>>(actuators, "actuators"),
+          unpack_checked<planar::SensorParameters<double>>(sensors, "sensors"),
           seed};
 }
 
@@ -175,26 +175,26 @@ nb::dict describe() {
   planar::IdealSensors<double> sensors;
   const auto outcome =
       planar::rollout<true>(setup.plant, setup.start, setup.goal, idle, actuators, sensors,
-                            setup.pushes, setup.timing, [&](const Sample<double>& sample) {
+                            setup.pushes, setup.timing, [&](const Sample<double>& sample, bool) {
                               visit_columns(sample, [&](const Field& field, double) {
                                 columns.append(nb::make_tuple(field.name, field.unit, field.doc));
                               });
                             });
   nb::dict d;
   d["columns"] = columns;
-  d["metrics"] = entry_table(outcome.metrics);
-  d["audit"] = entry_table(outcome.audit);
+  d["metrics"] = entry_table(outcome[0].metrics);
+  d["audit"] = entry_table(outcome[0].audit);
   return d;
 }
 
 }  // namespace
 
 void bind_planar_rollout(nb::module_& m) {
-  m.def("planar_actuator_fields", &field_table<planar::ActuatorParameters>);
-  m.def("planar_sensor_fields", &field_table<planar::SensorParameters>);
+  m.def("planar_actuator_fields", &field_table<planar::ActuatorParameters<double>>);
+  m.def("planar_sensor_fields", &field_table<planar::SensorParameters<double>>);
   m.def("planar_describe", &describe,
         "{'columns' | 'metrics' | 'audit': [(name, unit, meaning), ...]}.");
-  m.attr("planar_delay_capacity") = DelayLine<Measurement<double>>::capacity();
+  m.attr("planar_delay_capacity") = DelayLine<double, Measurement<double>>::capacity();
 
   nb::class_<Push>(m, "PlanarPush", "An outside force on a body as a function of time.")
       .def(nb::new_(&make_push), nb::arg("body"), nb::arg("force"), nb::arg("torque"),

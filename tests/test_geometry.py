@@ -16,7 +16,7 @@ def plant_of(changes):
 
 def test_matched_vehicles_hang_the_load_straight_down():
     plant, values = plant_of({})
-    angles = geometry.rest_angles(plant, values, np.array([[0.0, 3.0], [1.8, 3.0]]))
+    angles = geometry.rest_angles(values, np.array([[0.0, 3.0], [1.8, 3.0]]))
     assert np.array_equal(angles, np.zeros(3))
 
 
@@ -27,7 +27,7 @@ def test_rest_is_closed_and_in_balance(seed):
         {"plant.cable_length": [1.8, 1.8 + 0.2 * rng.random()], "plant.bar_half_thickness": 0.1}
     )
     vehicles = np.array([[0.0, 3.0], [1.8 + rng.uniform(-0.8, 0.8), 3.0 + rng.uniform(-0.4, 0.4)]])
-    angles = geometry.rest_angles(plant, values, vehicles)
+    angles = geometry.rest_angles(values, vehicles)
     q = [*vehicles.ravel().tolist(), *angles.tolist()]
     assert np.abs(_core.planar_closure(values, q)).max() < 1e-12
     # Held vehicles (enormous masses) leave the load where it is: no angular acceleration.
@@ -40,8 +40,8 @@ def test_rest_is_closed_and_in_balance(seed):
 
 def test_mirrored_vehicles_hang_a_mirrored_load():
     plant, values = plant_of({})
-    a = geometry.rest_angles(plant, values, np.array([[0.0, 3.0], [2.2, 3.3]]))
-    b = geometry.rest_angles(plant, values, np.array([[-2.2, 3.3], [0.0, 3.0]]))
+    a = geometry.rest_angles(values, np.array([[0.0, 3.0], [2.2, 3.3]]))
+    b = geometry.rest_angles(values, np.array([[-2.2, 3.3], [0.0, 3.0]]))
     # Mirroring y swaps the cables, whose angles the paper counts mirrored already.
     assert a == pytest.approx([b[1], b[0], -b[2]], abs=1e-9)
 

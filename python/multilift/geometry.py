@@ -44,55 +44,20 @@ def linkage_problem(plant: dict[str, Any], vehicles: Vector) -> str:
     return ""
 
 
-def rest_angles(plant: dict[str, Any], plant_values: list[float], vehicles: Vector) -> Vector:
+def rest_angles(plant_values: list[float], vehicles: Vector) -> Vector:
     """Angles at which the load hangs at rest below fixed vehicles, shape (3,), rad.
 
-    Minimises the load's potential energy under the closure by Newton's method on its stationarity
-    conditions, started from cables that point straight down.
+    Args:
+        plant_values: the plant's numbers in the core's order.
+        vehicles: positions (y, z) of both vehicles, shape (2, 2), m.
 
     Raises:
         ValueError: if no rest with all angles inside +-pi/2 was found.
     """
-    l0, (l1, l2) = plant["bar_length"], plant["cable_length"]
-    l3 = plant["bar_half_thickness"]
-    y, z = vehicles[1] - vehicles[0]
-
-    def closure(a: Vector) -> Vector:
-        q = np.concatenate([vehicles.ravel(), a])
-        return np.array(_core.planar_closure(plant_values, q.tolist()))
-
-    def jacobian(a: Vector) -> Vector:
-        s, c = np.sin(a), np.cos(a)
-        return np.array([[-l1 * c[0], -l2 * c[1], l0 * s[2]], [-l1 * s[0], l2 * s[1], -l0 * c[2]]])
-
-    def stationarity(x: Vector) -> Vector:
-        a, mu = x[:3], x[3:]
-        pull = np.array([0.5 * l1, 0.5 * l2, l3]) * np.sin(a)  # potential per weight
-        return np.concatenate([pull - jacobian(a).T @ mu, closure(a)])
-
-    tilt = math.atan2(z, y) if y else 0.0
-    lean = math.asin(max(-0.99, min(0.99, (y - l0 * math.cos(tilt)) / (l1 + l2))))
-    for start in ([0.0, 0.0, 0.0], [lean, lean, tilt], [lean, lean, 0.5 * tilt]):
-        x = np.concatenate([start, np.zeros(2)])
-        for _ in range(100):
-            f = stationarity(x)
-            size = float(np.abs(f).max())
-            if size < 1e-14:
-                break
-            columns = []
-            for k in range(5):
-                d = np.zeros(5)
-                d[k] = 1e-6
-                columns.append((stationarity(x + d) - stationarity(x - d)) / 2e-6)
-            step = np.linalg.lstsq(np.array(columns).T, -f, rcond=None)[0]
-            step *= min(1.0, 0.5 / max(float(np.abs(step[:3]).max()), 1e-300))
-            if np.abs(step).max() < 1e-16:
-                break
-            x = x + step
-        angles: Vector = x[:3]
-        if np.abs(stationarity(x)).max() < 1e-9 and (np.abs(angles) < math.pi / 2).all():
-            return angles
-    raise ValueError("no rest with all angles inside +-90 degrees was found")
+    angles = _core.planar_rest_angles(plant_values, vehicles.ravel().tolist())
+    if angles is None:
+        raise ValueError("no rest with all angles inside +-90 degrees was found")
+    return np.array(angles)
 
 
 def goal_mismatch(plant: dict[str, Any], goal: Vector) -> tuple[float, float]:
@@ -124,7 +89,7 @@ def start_coordinates(
         )
     if start["angle"] is None:
         try:
-            angle = rest_angles(plant, plant_values, vehicles)
+            angle = rest_angles(plant_values, vehicles)
         except ValueError as error:
             raise ScenarioError(
                 f"gives no start at rest: {error}",

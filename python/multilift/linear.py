@@ -47,9 +47,7 @@ def closed_loop_matrix(scenario: ClosedLoop) -> NDArray[np.float64]:
         ValueError: if the load cannot hang at rest at the goal.
     """
     plant = scenario.plant_values()
-    angle = geometry.rest_angles(
-        scenario.values["plant"], plant, scenario.goal_vector().reshape(2, 2)
-    )
+    angle = geometry.rest_angles(plant, scenario.goal_vector().reshape(2, 2))
     q = np.concatenate([scenario.goal_vector(), angle])
     x = np.array(_core.planar_free_coordinates(plant, q.tolist(), [0.0] * 7))
 

@@ -65,14 +65,41 @@ std::size_t count_scalars() {
   return count;
 }
 
-/// Fills a parameter struct from count_scalars<P>() consecutive numbers.
-template <class P, class Number>
-P unpack(const Number* values) {
+/// Numbers of one world or of several side by side: `worlds` rows of doubles, `stride` apart. A
+/// scalar of more lanes than there are worlds repeats the last one.
+struct Rows {
+  const double* first;
+  std::size_t stride;
+  int worlds{1};
+
+  template <Real R>
+  R at(std::size_t column) const {
+    R x(0.0);
+    for (int k = 0; k < lanes_of<R>; ++k) {
+      const auto row = static_cast<std::size_t>(k < worlds ? k : worlds - 1);
+      set_lane(x, k, lane_scalar_t<R>(first[row * stride + column]));
+    }
+    return x;
+  }
+};
+
+/// Fills a parameter struct from count_scalars<P>() columns of the rows, and moves `column` on.
+template <class P>
+P unpack(const Rows& rows, std::size_t& column) {
   P parameters;
   P::visit(parameters, [&](const Field&, auto& member) {
-    for_each_scalar(member, [&](auto& scalar) { scalar = *values++; });
+    for_each_scalar(member, [&](auto& scalar) {
+      scalar = rows.at<std::remove_reference_t<decltype(scalar)>>(column++);
+    });
   });
   return parameters;
+}
+
+/// The same from consecutive numbers of one world.
+template <class P>
+P unpack(const double* values) {
+  std::size_t column = 0;
+  return unpack<P>(Rows{values, 0}, column);
 }
 
 }  // namespace multilift

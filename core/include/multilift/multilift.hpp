@@ -4,6 +4,7 @@
 
 #include "multilift/control/planar/laws.hpp"
 #include "multilift/model/planar/redundant.hpp"
+#include "multilift/model/planar/rest.hpp"
 #include "multilift/scalar/dual.hpp"
 #include "multilift/scalar/lanes.hpp"
 #include "multilift/sim/planar/actuators.hpp"

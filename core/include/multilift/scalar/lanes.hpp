@@ -17,12 +17,22 @@ struct VectorOf {
 template <int W>
 struct LaneMask {
   using Bits = typename VectorOf<long long, W>::type;
-  Bits bits;
+  Bits bits{};
 
-  friend MULTILIFT_INLINE LaneMask operator&(LaneMask a, LaneMask b) { return {a.bits & b.bits}; }
-  friend MULTILIFT_INLINE LaneMask operator|(LaneMask a, LaneMask b) { return {a.bits | b.bits}; }
-  friend MULTILIFT_INLINE LaneMask operator!(LaneMask a) { return {~a.bits}; }
+  LaneMask() = default;
+  explicit LaneMask(Bits b) : bits(b) {}
+
+  friend MULTILIFT_INLINE LaneMask operator&(LaneMask a, LaneMask b) {
+    return LaneMask(a.bits & b.bits);
+  }
+  friend MULTILIFT_INLINE LaneMask operator|(LaneMask a, LaneMask b) {
+    return LaneMask(a.bits | b.bits);
+  }
+  friend MULTILIFT_INLINE LaneMask operator!(LaneMask a) { return LaneMask(~a.bits); }
+  LaneMask& operator&=(LaneMask b) { return *this = *this & b; }
+  LaneMask& operator|=(LaneMask b) { return *this = *this | b; }
   bool operator[](int lane) const { return bits[lane] != 0; }
+  void set(int lane, bool truth) { bits[lane] = truth ? -1 : 0; }
 };
 
 template <int W>
@@ -47,10 +57,18 @@ struct Lanes {
   Lanes& operator-=(Lanes b) { return *this = *this - b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
 
-  friend MULTILIFT_INLINE LaneMask<W> operator<(Lanes a, Lanes b) { return {a.v < b.v}; }
-  friend MULTILIFT_INLINE LaneMask<W> operator<=(Lanes a, Lanes b) { return {a.v <= b.v}; }
-  friend MULTILIFT_INLINE LaneMask<W> operator>(Lanes a, Lanes b) { return {a.v > b.v}; }
-  friend MULTILIFT_INLINE LaneMask<W> operator>=(Lanes a, Lanes b) { return {a.v >= b.v}; }
+  friend MULTILIFT_INLINE LaneMask<W> operator<(Lanes a, Lanes b) {
+    return LaneMask<W>(a.v < b.v);
+  }
+  friend MULTILIFT_INLINE LaneMask<W> operator<=(Lanes a, Lanes b) {
+    return LaneMask<W>(a.v <= b.v);
+  }
+  friend MULTILIFT_INLINE LaneMask<W> operator>(Lanes a, Lanes b) {
+    return LaneMask<W>(a.v > b.v);
+  }
+  friend MULTILIFT_INLINE LaneMask<W> operator>=(Lanes a, Lanes b) {
+    return LaneMask<W>(a.v >= b.v);
+  }
 };
 
 template <int W>
@@ -66,19 +84,63 @@ MULTILIFT_INLINE Lanes<W> sqrt(Lanes<W> x) {
 
 template <int W>
 MULTILIFT_INLINE Lanes<W> abs(Lanes<W> x) {
-  return select(x < Lanes<W>(0.0), -x, x);
+  using Bits = typename LaneMask<W>::Bits;
+  return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vector>(reinterpret_cast<Bits>(x.v) &
+                                                              0x7fffffffffffffffLL));
+}
+
+// Functions outside the hot loop go lane by lane, so that each lane has the bits of a double.
+template <int W>
+Lanes<W> exp(Lanes<W> x) {
+  for (int k = 0; k < W; ++k) x.v[k] = std::exp(x.v[k]);
+  return x;
+}
+
+template <int W>
+Lanes<W> atan(Lanes<W> x) {
+  for (int k = 0; k < W; ++k) x.v[k] = std::atan(x.v[k]);
+  return x;
+}
+
+template <int W>
+Lanes<W> atan2(Lanes<W> y, Lanes<W> x) {
+  for (int k = 0; k < W; ++k) x.v[k] = std::atan2(y.v[k], x.v[k]);
+  return x;
 }
 
 template <int W>
 MULTILIFT_INLINE bool any(LaneMask<W> mask) {
-  bool result = false;
-  for (int k = 0; k < W; ++k) result |= mask[k];
-  return result;
+  long long bits = 0;
+  for (int k = 0; k < W; ++k) bits |= mask.bits[k];
+  return bits != 0;
 }
 
 template <int W>
 MULTILIFT_INLINE bool all(LaneMask<W> mask) {
   return !any(!mask);
+}
+
+template <int W>
+inline constexpr int lanes_of<Lanes<W>> = W;
+template <int W>
+struct LaneScalar<Lanes<W>> {
+  using type = double;
+};
+template <int W>
+double lane(const Lanes<W>& x, int k) {
+  return x[k];
+}
+template <int W>
+void set_lane(Lanes<W>& x, int k, double share) {
+  x.set(k, share);
+}
+template <int W>
+bool lane(const LaneMask<W>& mask, int k) {
+  return mask[k];
+}
+template <int W>
+void set_lane(LaneMask<W>& mask, int k, bool truth) {
+  mask.set(k, truth);
 }
 
 }  // namespace multilift

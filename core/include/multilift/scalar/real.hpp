@@ -22,11 +22,35 @@ namespace multilift {
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
+inline double exp(double x) { return std::exp(x); }
+inline double log(double x) { return std::log(x); }
+inline double atan(double x) { return std::atan(x); }
+inline double atan2(double y, double x) { return std::atan2(y, x); }
 inline bool any(bool mask) { return mask; }
 inline bool all(bool mask) { return mask; }
 
-/// The plain double behind a scalar; for dual numbers it drops the derivatives.
+/// The plain double behind a scalar of one world; for dual numbers it drops the derivatives.
 inline double value(double x) { return x; }
+
+/// How many worlds a scalar carries side by side, and what each of them sees as its scalar.
+template <class R>
+inline constexpr int lanes_of = 1;
+template <class R>
+struct LaneScalar {
+  using type = R;
+};
+template <class R>
+using lane_scalar_t = typename LaneScalar<R>::type;
+
+/// World i's share of a scalar or of a mask.
+template <class R>
+const R& lane(const R& x, int) {
+  return x;
+}
+template <class R>
+void set_lane(R& x, int, const R& share) {
+  x = share;
+}
 
 template <class R>
 using mask_t = decltype(std::declval<R>() < std::declval<R>());

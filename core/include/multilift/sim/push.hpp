@@ -1,23 +1,23 @@
 // Pushes: outside forces given as functions of time.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <vector>
 
+#include "multilift/math/sincos.hpp"
 #include "multilift/sim/rk4.hpp"
 
 namespace multilift {
 
 enum class PushShape { pulse, half_sine, sine, samples };
 
-/// A force profile of unit height between start and start + duration, 0 outside.
+/// A force profile of height 1 between start and start + duration, 0 outside.
+template <Real R>
 struct PushProfile {
   PushShape shape{PushShape::pulse};
-  double start{0.0};      // s
-  double duration{0.0};   // s
-  double frequency{0.0};  // Hz, for sine
+  R start{0.0};      // s
+  R duration{0.0};   // s
+  R frequency{0.0};  // Hz, for sine
   // For samples: times after `start`, s, ascending, with values; linear between them.
   std::vector<double> sample_times;
   std::vector<double> sample_values;
@@ -25,32 +25,42 @@ struct PushProfile {
   /// The height at a stage of an integration step. At the profile's two edges a step that starts
   /// there sees what follows and a step that ends there what went before, so that an edge on the
   /// step grid costs the integrator no order.
-  double at(double time, Stage stage) const {
+  R at(double time, Stage stage) const {
     constexpr double rounding = 1e-9;  // s: what time, a multiple of the step, may be off by
     const double bias = stage == Stage::start ? rounding : stage == Stage::end ? -rounding : 0.0;
-    const double t = time - start;
-    if (t + bias < 0.0 || t + bias >= duration) return 0.0;
-    switch (shape) {
-      case PushShape::pulse:
-        return 1.0;
-      case PushShape::half_sine:
-        return std::sin(std::numbers::pi * t / duration);
-      case PushShape::sine:
-        return std::sin(2.0 * std::numbers::pi * frequency * t);
-      case PushShape::samples:
-        return interpolate(t);
-    }
-    return 0.0;
+    const R t = R(time) - start;
+    const R zero(0.0);
+    const auto active = (zero <= t + R(bias)) & (t + R(bias) < duration);
+    if (!any(active)) return zero;
+    return select(active, height(t), zero);
   }
 
  private:
-  double interpolate(double t) const {
-    if (t < sample_times.front()) return 0.0;
-    std::size_t k = 1;
-    while (k + 1 < sample_times.size() && sample_times[k] <= t) ++k;
-    const double t0 = sample_times[k - 1], t1 = sample_times[k];
-    const double v0 = sample_values[k - 1], v1 = sample_values[k];
-    return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
+  R height(const R& t) const {
+    switch (shape) {
+      case PushShape::pulse:
+        return R(1.0);
+      case PushShape::half_sine:
+        return sincos(R(std::numbers::pi) * t / duration).sin;
+      case PushShape::sine:
+        return sincos(R(2.0 * std::numbers::pi) * frequency * t).sin;
+      case PushShape::samples:
+        return interpolate(t);
+    }
+    return R(0.0);
+  }
+
+  R interpolate(const R& t) const {
+    R result(0.0);
+    for (std::size_t k = 1; k < sample_times.size(); ++k) {
+      const R t0(sample_times[k - 1]), t1(sample_times[k]);
+      const R v0(sample_values[k - 1]), v1(sample_values[k]);
+      // The last interval goes on, as a straight line, to the profile's end.
+      const bool last = k + 1 == sample_times.size();
+      const auto inside = last ? t0 <= t : (t0 <= t) & (t < t1);
+      result = select(inside, v0 + (v1 - v0) * (t - t0) / (t1 - t0), result);
+    }
+    return result;
   }
 };
 

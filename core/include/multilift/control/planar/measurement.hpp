@@ -16,6 +16,23 @@ struct Measurement {
   std::array<SinCos<R>, 3> angle;                      // sine and cosine of theta
   std::array<R, 3> theta_dot{R(0.0), R(0.0), R(0.0)};  // rad/s
   std::array<mask_t<R>, 2> saturated{};                // vehicle i's last command hit a limit
+
+  /// Pairs every sensed number with another measurement's.
+  template <class F>
+  void visit_scalars(const Measurement& other, F&& f) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      f(vehicle[i].y, other.vehicle[i].y);
+      f(vehicle[i].z, other.vehicle[i].z);
+      f(vehicle_velocity[i].y, other.vehicle_velocity[i].y);
+      f(vehicle_velocity[i].z, other.vehicle_velocity[i].z);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      f(theta[k], other.theta[k]);
+      f(angle[k].sin, other.angle[k].sin);
+      f(angle[k].cos, other.angle[k].cos);
+      f(theta_dot[k], other.theta_dot[k]);
+    }
+  }
 };
 
 template <Real R>

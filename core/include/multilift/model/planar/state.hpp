@@ -60,6 +60,19 @@ struct State {
     }
     return next;
   }
+
+  /// World k's state on its own.
+  State<lane_scalar_t<R>> world(int k) const {
+    State<lane_scalar_t<R>> one{{lane(bar.y, k), lane(bar.z, k)},
+                                {},
+                                {lane(bar_velocity.y, k), lane(bar_velocity.z, k)},
+                                {}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      one.theta[i] = lane(theta[i], k);
+      one.theta_dot[i] = lane(theta_dot[i], k);
+    }
+    return one;
+  }
 };
 
 /// One cable as seen from the bar's end it holds.

@@ -14,13 +14,14 @@
 
 namespace multilift::planar {
 
+template <Real R>
 struct ActuatorParameters {
-  double thrust_min{0.0};
-  double thrust_max{unlimited};
-  double tilt_max{std::numbers::pi / 2};
-  double thrust_time_constant{0.0};
-  double attitude_time_constant{0.0};
-  double command_delay{0.0};
+  R thrust_min{0.0};
+  R thrust_max{unlimited};
+  R tilt_max{std::numbers::pi / 2};
+  R thrust_time_constant{0.0};
+  R attitude_time_constant{0.0};
+  R command_delay{0.0};
 
   template <class Self, class V>
   static void visit(Self& self, V&& v) {
@@ -41,30 +42,50 @@ struct ActuatorParameters {
 };
 
 /// Thrust f, N, and attitude phi from the vertical towards +y, rad, of both vehicles.
+template <Real R>
 struct ThrustAttitude {
-  std::array<double, 2> thrust{};
-  std::array<double, 2> attitude{};
+  std::array<R, 2> thrust{R(0.0), R(0.0)};
+  std::array<R, 2> attitude{R(0.0), R(0.0)};
+
+  template <class F>
+  void visit_scalars(const ThrustAttitude& other, F&& f) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      f(thrust[i], other.thrust[i]);
+      f(attitude[i], other.attitude[i]);
+    }
+  }
 };
 
 /// The thrust and attitude that the command u asks for (paper, below (6)).
-inline ThrustAttitude thrust_attitude(const Plant<double>& p, const Command<double>& u) {
-  ThrustAttitude result;
+template <Real R>
+ThrustAttitude<R> thrust_attitude(const Plant<R>& p, const Command<R>& u) {
+  ThrustAttitude<R> result;
   for (std::size_t i = 0; i < 2; ++i) {
-    const double fy = u[i].y, fz = u[i].z + p.gravity_share(i);
-    result.thrust[i] = std::sqrt(fy * fy + fz * fz);
-    result.attitude[i] = std::atan2(fy, fz);
+    const R fy = u[i].y, fz = u[i].z + p.gravity_share(i);
+    result.thrust[i] = sqrt(fy * fy + fz * fz);
+    result.attitude[i] = atan2(fy, fz);
   }
   return result;
 }
 
 /// The command u that a thrust and an attitude amount to.
-inline Command<double> command_of(const Plant<double>& p, const ThrustAttitude& t) {
-  Command<double> u;
+template <Real R>
+Command<R> command_of(const Plant<R>& p, const ThrustAttitude<R>& t) {
+  Command<R> u;
   for (std::size_t i = 0; i < 2; ++i) {
     const auto [s, c] = sincos(t.attitude[i]);
     u[i] = {t.thrust[i] * s, t.thrust[i] * c - p.gravity_share(i)};
   }
   return u;
+}
+
+/// A time as a whole number of integration steps, world by world.
+template <Real R>
+std::array<long, static_cast<std::size_t>(lanes_of<R>)> steps_of(const R& time, double step) {
+  std::array<long, static_cast<std::size_t>(lanes_of<R>)> steps{};
+  for (int k = 0; k < lanes_of<R>; ++k)
+    steps[static_cast<std::size_t>(k)] = std::lround(value(lane(time, k)) / step);
+  return steps;
 }
 
 /// u acts as commanded, held until the next control instant.
@@ -82,72 +103,86 @@ class IdealActuators {
   Command<R> u_;
 };
 
+template <Real R>
 class TestbedActuators {
  public:
   /// At the start the vehicles hover under their gravity share.
-  TestbedActuators(const ActuatorParameters& limits, const Plant<double>& p, double step)
+  TestbedActuators(const ActuatorParameters<R>& limits, const Plant<R>& p, double step)
       : limits_(limits),
         plant_(p),
-        line_(std::lround(limits.command_delay / step), hover(p)),
+        line_(steps_of(limits.command_delay, step), hover(p)),
         target_(hover(p)),
         actual_(hover(p)),
-        thrust_decay_(decay(step, limits.thrust_time_constant)),
-        thrust_decay_half_(decay(0.5 * step, limits.thrust_time_constant)),
-        attitude_decay_(decay(step, limits.attitude_time_constant)),
-        attitude_decay_half_(decay(0.5 * step, limits.attitude_time_constant)) {}
+        over_step_(decay(step)),
+        over_half_step_(decay(0.5 * step)) {}
 
-  void command(long step, const Command<double>& u) {
-    ThrustAttitude wanted = thrust_attitude(plant_, u);
+  void command(long step, const Command<R>& u) {
+    ThrustAttitude<R> wanted = thrust_attitude(plant_, u);
     for (std::size_t i = 0; i < 2; ++i) {
-      const double f = wanted.thrust[i], phi = wanted.attitude[i];
-      wanted.thrust[i] = clamp(f, limits_.thrust_min, limits_.thrust_max);
-      wanted.attitude[i] = clamp(phi, -limits_.tilt_max, limits_.tilt_max);
-      saturated_[i] = wanted.thrust[i] != f || wanted.attitude[i] != phi;
+      R &f = wanted.thrust[i], &phi = wanted.attitude[i];
+      saturated_[i] = (f < limits_.thrust_min) | (limits_.thrust_max < f) |
+                      (limits_.tilt_max < abs(phi));
+      f = clamp(f, limits_.thrust_min, limits_.thrust_max);
+      phi = clamp(phi, -limits_.tilt_max, limits_.tilt_max);
     }
     line_.send(step, wanted);
   }
 
   void begin_step(long step) {
-    if (step > 0) actual_ = approach(thrust_decay_, attitude_decay_);
+    if (step > 0) actual_ = approach(over_step_);
     target_ = line_.receive(step);
     // Without lag the answer is there at once.
-    if (thrust_decay_ == 0.0) actual_.thrust = target_.thrust;
-    if (attitude_decay_ == 0.0) actual_.attitude = target_.attitude;
+    const R zero(0.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      actual_.thrust[i] =
+          select(over_step_.thrust <= zero, target_.thrust[i], actual_.thrust[i]);
+      actual_.attitude[i] =
+          select(over_step_.attitude <= zero, target_.attitude[i], actual_.attitude[i]);
+    }
     start_ = command_of(plant_, actual_);
-    middle_ = command_of(plant_, approach(thrust_decay_half_, attitude_decay_half_));
-    end_ = command_of(plant_, approach(thrust_decay_, attitude_decay_));
+    middle_ = command_of(plant_, approach(over_half_step_));
+    end_ = command_of(plant_, approach(over_step_));
   }
 
-  const Command<double>& at_start() const { return start_; }
-  const Command<double>& at_middle() const { return middle_; }
-  const Command<double>& at_end() const { return end_; }
-  std::array<bool, 2> saturated() const { return saturated_; }
+  const Command<R>& at_start() const { return start_; }
+  const Command<R>& at_middle() const { return middle_; }
+  const Command<R>& at_end() const { return end_; }
+  const std::array<mask_t<R>, 2>& saturated() const { return saturated_; }
 
  private:
-  static ThrustAttitude hover(const Plant<double>& p) {
-    return thrust_attitude(p, Command<double>{});
+  /// What a lag leaves of a difference after some time.
+  struct Decay {
+    R thrust, attitude;
+  };
+
+  static ThrustAttitude<R> hover(const Plant<R>& p) { return thrust_attitude(p, Command<R>{}); }
+
+  Decay decay(double time) const {
+    const auto left = [time](const R& time_constant) {
+      const R zero(0.0);
+      return select(zero < time_constant, exp(R(-time) / time_constant), zero);
+    };
+    return {left(limits_.thrust_time_constant), left(limits_.attitude_time_constant)};
   }
-  static double decay(double time, double time_constant) {
-    return time_constant > 0.0 ? std::exp(-time / time_constant) : 0.0;
-  }
-  ThrustAttitude approach(double thrust_decay, double attitude_decay) const {
-    ThrustAttitude next;
+
+  ThrustAttitude<R> approach(const Decay& left) const {
+    ThrustAttitude<R> next;
     for (std::size_t i = 0; i < 2; ++i) {
-      next.thrust[i] = target_.thrust[i] + thrust_decay * (actual_.thrust[i] - target_.thrust[i]);
+      next.thrust[i] = target_.thrust[i] + left.thrust * (actual_.thrust[i] - target_.thrust[i]);
       next.attitude[i] =
-          target_.attitude[i] + attitude_decay * (actual_.attitude[i] - target_.attitude[i]);
+          target_.attitude[i] + left.attitude * (actual_.attitude[i] - target_.attitude[i]);
     }
     return next;
   }
 
-  ActuatorParameters limits_;
-  Plant<double> plant_;
-  DelayLine<ThrustAttitude> line_;
-  ThrustAttitude target_;
-  ThrustAttitude actual_;
-  double thrust_decay_, thrust_decay_half_, attitude_decay_, attitude_decay_half_;
-  Command<double> start_, middle_, end_;
-  std::array<bool, 2> saturated_{};
+  ActuatorParameters<R> limits_;
+  Plant<R> plant_;
+  DelayLine<R, ThrustAttitude<R>> line_;
+  ThrustAttitude<R> target_;
+  ThrustAttitude<R> actual_;
+  Decay over_step_, over_half_step_;
+  Command<R> start_, middle_, end_;
+  std::array<mask_t<R>, 2> saturated_{};
 };
 
 }  // namespace multilift::planar

@@ -39,7 +39,22 @@ class Audit {
       value(largest_error_));
   }
 
+  /// World k's audit on its own.
+  Audit<lane_scalar_t<R>> world(int k) const {
+    Audit<lane_scalar_t<R>> one;
+    one.start_ = lane(start_, k);
+    one.end_ = lane(end_, k);
+    one.error_ = lane(error_, k);
+    one.largest_error_ = lane(largest_error_, k);
+    one.work_ = {lane(work_.dissipation, k), lane(work_.internal, k), lane(work_.push, k),
+                 lane(work_.actuation, k), lane(work_.adaptation, k)};
+    return one;
+  }
+
  private:
+  template <Real>
+  friend class Audit;
+
   R start_{0.0}, end_{0.0}, error_{0.0}, largest_error_{0.0};
   Powers<R> work_;
 };

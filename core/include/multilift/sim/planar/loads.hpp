@@ -11,26 +11,27 @@ namespace multilift::planar {
 /// What a push acts on: vehicle 1, vehicle 2 (at their centres) or the bar's centre of mass.
 enum class Body { vehicle_1, vehicle_2, bar };
 
+template <Real R>
 struct Push {
   Body body{Body::bar};
-  Vec2<double> force;  // world y-z, N, times the profile
-  double torque{0.0};  // N m, times the profile; bar only
-  PushProfile profile;
+  Vec2<R> force;  // world y-z, N, times the profile
+  R torque{0.0};  // N m, times the profile; bar only
+  PushProfile<R> profile;
 };
 
 /// The loads at a stage of a step: the applied command and every push.
 template <Real R>
-MULTILIFT_INLINE Loads<R> loads_at(double time, Stage stage, const std::array<Vec2<R>, 2>& applied,
-                                   const std::vector<Push>& pushes) {
+MULTILIFT_INLINE Loads<R> loads_at(double time, Stage stage,
+                                   const std::array<Vec2<R>, 2>& applied,
+                                   const std::vector<Push<R>>& pushes) {
   Loads<R> loads{applied, {}, {}, R(0.0)};
-  for (const Push& push : pushes) {
-    const double height = push.profile.at(time, stage);
-    const Vec2<R> force{R(height * push.force.y), R(height * push.force.z)};
+  for (const Push<R>& push : pushes) {
+    const R height = push.profile.at(time, stage);
     if (push.body == Body::bar) {
-      loads.bar_push += force;
-      loads.bar_torque += R(height * push.torque);
+      loads.bar_push += height * push.force;
+      loads.bar_torque += height * push.torque;
     } else {
-      loads.vehicle_push[push.body == Body::vehicle_1 ? 0 : 1] += force;
+      loads.vehicle_push[push.body == Body::vehicle_1 ? 0 : 1] += height * push.force;
     }
   }
   return loads;

@@ -55,9 +55,11 @@ class Metrics {
       effort_ += R(step) * dot(now.commanded[i], now.commanded[i]);
       const Vec2<R> thrust{now.applied[i].y, now.applied[i].z + share_[i]};
       peak_thrust_squared_ = max(peak_thrust_squared_, dot(thrust, thrust));
+      // tan(phi) = side / up; divided only where it grows, as a division costs as much as the rest.
       const R side = abs(thrust.y);
-      const R slope = select(R(0.0) < thrust.z, side / thrust.z, R(unlimited));
-      peak_slope_ = max(peak_slope_, select(R(0.0) < side, slope, R(0.0)));
+      const R up = max(thrust.z, R(0.0));
+      if (const auto grows = peak_slope_ * up < side; any(grows))
+        peak_slope_ = select(grows, side / up, peak_slope_);
       min_tension_ = min(min_tension_, now.motion.tension[i]);
     }
     least_storage_ = min(least_storage_, now.storage);
@@ -97,7 +99,32 @@ class Metrics {
       value(storage_rise_));
   }
 
+  /// World k's metrics on their own.
+  Metrics<lane_scalar_t<R>> world(int k) const {
+    Metrics<lane_scalar_t<R>> one;
+    const auto take = [k](auto& mine, const R& all) { mine = lane(all, k); };
+    for (std::size_t i = 0; i < 3; ++i) take(one.peak_swing_[i], peak_swing_[i]);
+    take(one.last_swing_, last_swing_);
+    take(one.last_far_, last_far_);
+    take(one.overshoot_, overshoot_);
+    take(one.swing_integral_, swing_integral_);
+    take(one.effort_, effort_);
+    take(one.peak_thrust_squared_, peak_thrust_squared_);
+    take(one.peak_slope_, peak_slope_);
+    take(one.min_tension_, min_tension_);
+    take(one.least_storage_, least_storage_);
+    take(one.storage_rise_, storage_rise_);
+    one.previous_step_ = previous_step_;
+    one.last_time_ = last_time_;
+    return one;
+  }
+
+  Metrics() = default;
+
  private:
+  template <Real>
+  friend class Metrics;
+
   void beyond(const R& error, const R& travel) {
     const R past = select(R(0.0) < travel, error, -error);
     const R counts = select(R(0.0) < abs(travel), past, R(0.0));
@@ -107,7 +134,7 @@ class Metrics {
     return value(last) < last_time_ ? value(last) : std::numeric_limits<double>::quiet_NaN();
   }
 
-  std::array<R, 2> share_;
+  std::array<R, 2> share_{};
   std::array<Vec2<R>, 2> start_, goal_;
   std::array<R, 3> peak_swing_{R(0.0), R(0.0), R(0.0)};
   R last_swing_{0.0}, last_far_{0.0}, overshoot_{0.0}, swing_integral_{0.0}, effort_{0.0};

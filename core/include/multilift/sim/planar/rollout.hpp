@@ -19,54 +19,79 @@ struct Timing {
   double control_period() const { return step * static_cast<double>(control_steps); }
 };
 
-template <Real R>
+/// How one world ended. S is double, or dual numbers where derivatives are wanted.
+template <Real S>
 struct Outcome {
   Status status{Status::finished};
   int culprit{-1};  // index of the cable that went slack or the angle that reached its limit
   double end_time{0.0};
-  State<R> state;
-  Metrics<R> metrics;
-  Audit<R> audit;
+  State<S> state;
+  Metrics<S> metrics;
+  Audit<S> audit;
 };
 
-/// Why a run cannot go on from here, and which cable or angle is to blame.
 template <Real R>
-MULTILIFT_INLINE std::pair<Status, int> judge(const State<R>& state, const Motion<R>& motion) {
-  constexpr double bound = 1e6;  // m, m/s, rad/s, N: far outside any flight
-  bool bounded = true;
-  const auto include = [&](const R& x) {
-    const double size = std::fabs(value(x));
-    bounded &= size <= bound;  // false for NaN too
-  };
-  include(state.bar.y);
+using Outcomes = std::array<Outcome<lane_scalar_t<R>>, static_cast<std::size_t>(lanes_of<R>)>;
+
+/// Why worlds cannot go on from here.
+template <Real R>
+struct Verdict {
+  mask_t<R> diverged;
+  std::array<mask_t<R>, 3> beyond_limit;  // by angle
+  std::array<mask_t<R>, 2> slack;         // by cable
+
+  mask_t<R> any_cause() const {
+    return diverged | beyond_limit[0] | beyond_limit[1] | beyond_limit[2] | slack[0] | slack[1];
+  }
+
+  /// World k's status and which cable or angle is to blame.
+  std::pair<Status, int> world(int k) const {
+    if (lane(diverged, k)) return {Status::diverged, -1};
+    for (int i = 0; i < 3; ++i)
+      if (lane(beyond_limit[static_cast<std::size_t>(i)], k)) return {Status::swing_limit, i};
+    for (int i = 0; i < 2; ++i)
+      if (lane(slack[static_cast<std::size_t>(i)], k)) return {Status::slack, i};
+    return {Status::finished, -1};
+  }
+};
+
+template <Real R>
+MULTILIFT_INLINE Verdict<R> judge(const State<R>& state, const Motion<R>& motion) {
+  const R bound(1e6);  // m, m/s, rad/s, N: far outside any flight
+  const R quarter_turn(std::numbers::pi / 2);
+  Verdict<R> verdict;
+  // A comparison with NaN is false, so that `bounded` is false for it too.
+  mask_t<R> bounded = abs(state.bar.y) <= bound;
+  const auto include = [&](const R& x) { bounded = bounded & (abs(x) <= bound); };
   include(state.bar.z);
   include(state.bar_velocity.y);
   include(state.bar_velocity.z);
   for (const R& x : state.theta_dot) include(x);
   for (const R& x : motion.tension) include(x);
-  if (!bounded) return {Status::diverged, -1};
-  for (int k = 0; k < 3; ++k)
-    if (std::fabs(value(state.theta[static_cast<std::size_t>(k)])) >= std::numbers::pi / 2)
-      return {Status::swing_limit, k};
-  for (int i = 0; i < 2; ++i)
-    if (value(motion.tension[static_cast<std::size_t>(i)]) < 0.0) return {Status::slack, i};
-  return {Status::finished, -1};
+  verdict.diverged = !bounded;
+  for (std::size_t k = 0; k < 3; ++k) verdict.beyond_limit[k] = quarter_turn <= abs(state.theta[k]);
+  for (std::size_t i = 0; i < 2; ++i) verdict.slack[i] = motion.tension[i] < R(0.0);
+  return verdict;
 }
 
-/// Runs from `state` to the end of the timing or to the first broken assumption. `record` is
-/// called with a Sample every record_steps and at the end. Nothing is allocated on the way.
+/// Runs from `state` to the end of the timing; each world of a batch only to its first broken
+/// assumption. `record` is called with a Sample and the worlds still alive every record_steps, and
+/// once more with every world that ends. Nothing is allocated on the way.
 template <bool with_audit, Real R, class Law, class Actuators, class Sensors, class Record>
-Outcome<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<R>, 2>& goal,
-                   Law& law, Actuators& actuators, Sensors& sensors,
-                   const std::vector<Push>& pushes, const Timing& timing, Record&& record) {
+Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<R>, 2>& goal,
+                    Law& law, Actuators& actuators, Sensors& sensors,
+                    const std::vector<Push<R>>& pushes, const Timing& timing, Record&& record) {
   const double h = timing.step;
   const StorageGains<R> gains = law.storage_gains();
   std::array<Vec2<R>, 2> d_hat = law.d_hat();
   Command<R> commanded{};
   Pose<R> pose = pose_of(plant, state);
-  Outcome<R> outcome{Status::finished, -1, 0.0, state, {plant, pose.vehicle, goal}, {}};
+  Metrics<R> metrics(plant, pose.vehicle, goal);
+  Audit<R> audit;
+  Outcomes<R> outcomes;
+  mask_t<R> alive = R(0.0) < R(1.0);
   if constexpr (with_audit)
-    outcome.audit.begin(storage_function(plant, gains, state, pose, goal, d_hat));
+    audit.begin(storage_function(plant, gains, state, pose, goal, d_hat));
 
   for (long k = 0;; ++k) {
     const double time = h * static_cast<double>(k);
@@ -74,8 +99,8 @@ Outcome<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<
     if (k % timing.control_steps == 0) {
       const std::array<Vec2<R>, 2> next_d_hat = law.d_hat();
       if constexpr (with_audit)
-        outcome.audit.add_adaptation(estimation_energy(plant, gains, next_d_hat) -
-                                     estimation_energy(plant, gains, d_hat));
+        audit.add_adaptation(estimation_energy(plant, gains, next_d_hat) -
+                             estimation_energy(plant, gains, d_hat));
       d_hat = next_d_hat;
       Measurement<R> measured = sensors.read(k, state, pose);
       measured.time = time;
@@ -88,23 +113,43 @@ Outcome<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<
     // What holds at this instant.
     const Loads<R> loads = loads_at(time, Stage::start, actuators.at_start(), pushes);
     const Motion<R> now = motion(plant, state, pose, loads);
-    const bool last = k == timing.steps;
-    std::tie(outcome.status, outcome.culprit) = judge(state, now);
-    outcome.end_time = time;
-    outcome.state = state;
-    const bool over = last || outcome.status != Status::finished;
     Powers<R> powers;
     R storage(0.0);
     if constexpr (with_audit) {
       powers = powers_of(plant, gains, state, pose, loads, now, goal, d_hat);
       storage = storage_function(plant, gains, state, pose, goal, d_hat);
-      if (outcome.status != Status::diverged) outcome.audit.compare(storage);
     }
     const Instant<R> instant{time, state, pose, now, commanded, actuators.at_start(), storage};
-    if (outcome.status != Status::diverged) outcome.metrics.update(instant, over ? 0.0 : h);
-    if (over || k % timing.record_steps == 0)
-      record(Sample<R>{instant, plant, d_hat, powers, mechanical_energy(plant, state, pose)});
-    if (over) return outcome;
+    const auto sample = [&] {
+      return Sample<R>{instant, plant, d_hat, powers, mechanical_energy(plant, state, pose)};
+    };
+    const Verdict<R> verdict = judge(state, now);
+    const bool last = k == timing.steps;
+    const mask_t<R> ending = alive & (verdict.any_cause() | mask_t<R>(R(0.0) < R(last ? 1.0 : 0.0)));
+    if (any(ending)) {
+      record(sample(), ending);
+      for (int i = 0; i < lanes_of<R>; ++i) {
+        if (!lane(ending, i)) continue;
+        auto& outcome = outcomes[static_cast<std::size_t>(i)];
+        std::tie(outcome.status, outcome.culprit) = verdict.world(i);
+        outcome.end_time = time;
+        outcome.state = state.world(i);
+        // A state without meaning belongs neither to the metrics nor to the audit.
+        Metrics<R> final_metrics = metrics;
+        Audit<R> final_audit = audit;
+        if (outcome.status != Status::diverged) {
+          final_metrics.update(instant, 0.0);
+          if constexpr (with_audit) final_audit.compare(storage);
+        }
+        outcome.metrics = final_metrics.world(i);
+        outcome.audit = final_audit.world(i);
+      }
+      alive = alive & !ending;
+      if (!any(alive)) return outcomes;
+    }
+    if constexpr (with_audit) audit.compare(storage);
+    metrics.update(instant, h);
+    if (k % timing.record_steps == 0) record(sample(), alive);
 
     // What leads to the next one.
     Powers<R> work = R(h / 6.0) * powers;
@@ -116,12 +161,12 @@ Outcome<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<
       const Pose<R> stage_pose = pose_of(plant, x);
       const Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
       if constexpr (with_audit)
-        work = work + R(middle ? h / 3.0 : h / 6.0) * powers_of(plant, gains, x, stage_pose,
-                                                                stage_loads, stage_motion, goal,
-                                                                d_hat);
+        work = work + R(middle ? h / 3.0 : h / 6.0) *
+                          powers_of(plant, gains, x, stage_pose, stage_loads, stage_motion, goal,
+                                    d_hat);
       return stage_motion.rate(x);
     });
-    if constexpr (with_audit) outcome.audit.add(work);
+    if constexpr (with_audit) audit.add(work);
     pose = pose_of(plant, state);
   }
 }

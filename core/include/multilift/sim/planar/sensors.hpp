@@ -13,13 +13,14 @@
 
 namespace multilift::planar {
 
+template <Real R>
 struct SensorParameters {
-  double period{0.0};
-  double delay{0.0};
-  double position_noise{0.0};
-  double velocity_noise{0.0};
-  double angle_noise{0.0};
-  double angle_rate_noise{0.0};
+  R period{0.0};
+  R delay{0.0};
+  R position_noise{0.0};
+  R velocity_noise{0.0};
+  R angle_noise{0.0};
+  R angle_rate_noise{0.0};
 
   template <class Self, class V>
   static void visit(Self& self, V&& v) {
@@ -63,51 +64,58 @@ class IdealSensors {
   }
 };
 
+template <Real R>
 class TestbedSensors {
  public:
-  TestbedSensors(const SensorParameters& parameters, long control_steps, double step,
-                 std::uint64_t seed, const State<double>& state, const Pose<double>& pose)
-      : parameters_(parameters),
-        every_(parameters.period > 0.0 ? std::lround(parameters.period / step) : control_steps),
-        seed_(seed),
-        line_(std::lround(parameters.delay / step), truth(state, pose)) {}
+  using Seeds = std::array<std::uint64_t, static_cast<std::size_t>(lanes_of<R>)>;
 
-  void observe(long step, const State<double>& state, const Pose<double>& pose) {
+  /// All worlds sample at the first one's period; every other number is a world's own.
+  TestbedSensors(const SensorParameters<R>& parameters, long control_steps, double step,
+                 const Seeds& seeds, const State<R>& state, const Pose<R>& pose)
+      : parameters_(parameters),
+        every_(value(lane(parameters.period, 0)) > 0.0 ? steps_of(parameters.period, step)[0]
+                                                       : control_steps),
+        seeds_(seeds),
+        line_(steps_of(parameters.delay, step), truth(state, pose)) {}
+
+  void observe(long step, const State<R>& state, const Pose<R>& pose) {
     if (step % every_ != 0) return;
-    Measurement<double> measured = truth(state, pose);
+    Measurement<R> measured = truth(state, pose);
     const auto draw = static_cast<std::uint64_t>(step / every_);
     std::uint64_t stream = 0;
-    const auto blur = [&](double& a, double& b, double deviation) {
-      if (deviation > 0.0) {
-        const auto [na, nb] = normal_pair(seed_, stream, draw);
-        a += deviation * na;
-        b += deviation * nb;
-      }
-      ++stream;  // each pair of values keeps its own stream, whichever noises are on
-    };
-    double unused = 0.0;
+    R unused(0.0);
+    // Each pair of values keeps its own stream, whichever noises are on.
     for (std::size_t i = 0; i < 2; ++i) {
-      blur(measured.vehicle[i].y, measured.vehicle[i].z, parameters_.position_noise);
+      blur(measured.vehicle[i].y, measured.vehicle[i].z, parameters_.position_noise, stream++, draw);
       blur(measured.vehicle_velocity[i].y, measured.vehicle_velocity[i].z,
-           parameters_.velocity_noise);
+           parameters_.velocity_noise, stream++, draw);
     }
-    blur(measured.theta[0], measured.theta[1], parameters_.angle_noise);
-    blur(measured.theta[2], unused, parameters_.angle_noise);
-    blur(measured.theta_dot[0], measured.theta_dot[1], parameters_.angle_rate_noise);
-    blur(measured.theta_dot[2], unused, parameters_.angle_rate_noise);
+    blur(measured.theta[0], measured.theta[1], parameters_.angle_noise, stream++, draw);
+    blur(measured.theta[2], unused, parameters_.angle_noise, stream++, draw);
+    blur(measured.theta_dot[0], measured.theta_dot[1], parameters_.angle_rate_noise, stream++,
+         draw);
+    blur(measured.theta_dot[2], unused, parameters_.angle_rate_noise, stream++, draw);
     measured.angle = sincos_each(measured.theta);
     line_.send(step, measured);
   }
 
-  Measurement<double> read(long step, const State<double>&, const Pose<double>&) {
-    return line_.receive(step);
-  }
+  Measurement<R> read(long step, const State<R>&, const Pose<R>&) { return line_.receive(step); }
 
  private:
-  SensorParameters parameters_;
+  void blur(R& a, R& b, const R& deviation, std::uint64_t stream, std::uint64_t draw) const {
+    if (!any(R(0.0) < deviation)) return;
+    for (int k = 0; k < lanes_of<R>; ++k) {
+      const auto scale = lane(deviation, k);
+      const auto [na, nb] = normal_pair(seeds_[static_cast<std::size_t>(k)], stream, draw);
+      set_lane(a, k, lane(a, k) + scale * na);
+      set_lane(b, k, lane(b, k) + scale * nb);
+    }
+  }
+
+  SensorParameters<R> parameters_;
   long every_;
-  std::uint64_t seed_;
-  DelayLine<Measurement<double>> line_;
+  Seeds seeds_;
+  DelayLine<R, Measurement<R>> line_;
 };
 
 }  // namespace multilift::planar
