@@ -19,6 +19,21 @@ NB_MODULE(_core, m) {
         return build;
       },
       "Compiler, and the commit of the sources where they were a checkout.");
+  m.def(
+      "instruction_sets",
+      [] {
+        nanobind::list sets;
+#if defined(__x86_64__)
+        __builtin_cpu_init();
+        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+            __builtin_cpu_supports("avx512vl"))
+          sets.append("avx512");
+        if (__builtin_cpu_supports("avx2")) sets.append("avx2");
+#endif
+        sets.append("baseline");
+        return sets;
+      },
+      "Names of the batch kernels that this processor can run, widest first.");
   multilift::bindings::bind_math(m);
   multilift::bindings::bind_planar_model(m);
   multilift::bindings::bind_planar_control(m);

@@ -1,4 +1,5 @@
 // The planar plant: parameters, both formulations, energies, linearisation.
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 
 #include "arrays.hpp"
@@ -99,6 +100,51 @@ std::array<std::array<double, 14>, 10> jacobian(const Values& values,
           rate.theta_ddot[2].d};
 }
 
+template <class T>
+using Table = nb::ndarray<T, nb::numpy, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Row by row, for many starts: the ten free coordinates, then by how much the start misses the
+/// closure, m, and its rate, m/s; all NaN where the load was to hang at rest and cannot.
+Table<double> starts(const Table<const double>& plants, const Table<const double>& vehicles,
+                 const Table<const double>& angles, const Table<const double>& velocities,
+                 const Table<const double>& angle_rates) {
+  const std::size_t n = plants.shape(0);
+  auto* free = new double[n * 12];
+  nb::capsule owner(free, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  for (std::size_t k = 0; k < n; ++k) {
+    const planar::Plant<double> plant(
+        unpack<planar::Parameters<double>>(plants.data() + k * plants.shape(1)));
+    const double* v = vehicles.data() + 4 * k;
+    const double* w = velocities.data() + 4 * k;
+    std::array<double, 3> angle{angles(k, 0), angles(k, 1), angles(k, 2)};
+    double* row = free + 12 * k;
+    if (std::isnan(angle[0]) && !rest_angles(plant, pair_from({v[0], v[1], v[2], v[3]}), angle)) {
+      std::fill(row, row + 12, std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const Seven<double> q{v[0], v[1], v[2], v[3], angle[0], angle[1], angle[2]};
+    const Seven<double> q_dot{w[0], w[1], w[2], w[3],
+                              angle_rates(k, 0), angle_rates(k, 1), angle_rates(k, 2)};
+    // Along q_dot by dual numbers: the gap and its rate in one evaluation.
+    Seven<Dual<1>> moving;
+    for (std::size_t i = 0; i < 7; ++i) {
+      moving[i] = Dual<1>(q[i]);
+      moving[i].d[0] = q_dot[i];
+    }
+    const planar::Plant<Dual<1>> dual_plant(
+        unpack<planar::Parameters<Dual<1>>>(plants.data() + k * plants.shape(1)));
+    const auto gap = closure(dual_plant, moving);
+    const State<double> s = state_from_seven(plant, q, q_dot);
+    const std::array<double, 12> numbers{
+        s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
+        s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2],
+        std::max(std::fabs(gap.y.x), std::fabs(gap.z.x)),
+        std::max(std::fabs(gap.y.d[0]), std::fabs(gap.z.d[0]))};
+    std::copy(numbers.begin(), numbers.end(), row);
+  }
+  return Table<double>(free, {n, 12}, owner);
+}
+
 }  // namespace
 
 void bind_planar_model(nb::module_& m) {
@@ -157,6 +203,10 @@ void bind_planar_model(nb::module_& m) {
       },
       nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"),
       "[bar y, bar z, theta1..3 and their rates] from the seven coordinates and their rates.");
+  m.def("planar_starts", &starts, nb::arg("plants"), nb::arg("vehicle_positions"),
+        nb::arg("angles"), nb::arg("vehicle_velocities"), nb::arg("angle_rates"),
+        "For each row: the ten free coordinates, and how far the start misses the closure (m) and "
+        "its rate (m/s). NaN angles mean at rest; a row of NaN, that there is none.");
   m.def("planar_jacobian", &jacobian, nb::arg("plant"), nb::arg("free_coordinates"), nb::arg("u"),
         "Exact derivatives, 10 x 14, of the rates of the free coordinates along themselves and u.");
   m.def("planar_energies", &energies, nb::arg("plant"), nb::arg("k_lambda"), nb::arg("k_p"),

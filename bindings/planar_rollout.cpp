@@ -49,6 +49,7 @@ struct Table {
 /// Everything of a run that does not depend on the law's type.
 struct Setup {
   Plant<double> plant;
+  Plant<double> assumed;  // the plant as the law assumes it
   State<double> start;
   std::array<Vec2<double>, 2> goal;
   std::vector<Push> pushes;
@@ -68,12 +69,12 @@ planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
   };
   table.numbers.reserve(48 * static_cast<std::size_t>(s.timing.steps / s.timing.record_steps + 2));
   if (s.ideal) {
-    planar::IdealActuators<double> actuators;
+    planar::IdealActuators<double> actuators(s.assumed, s.plant);
     planar::IdealSensors<double> sensors;
     return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
                                  s.timing, record)[0];
   }
-  planar::TestbedActuators<double> actuators(s.actuators, s.plant, s.timing.step);
+  planar::TestbedActuators<double> actuators(s.actuators, s.assumed, s.plant, s.timing.step);
   planar::TestbedSensors<double> sensors(s.sensors, s.timing.control_steps, s.timing.step, {s.seed}, s.start,
                                  pose_of(s.plant, s.start));
   return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
@@ -120,12 +121,13 @@ Push make_push(const std::string& body, const std::array<double, 2>& force, doub
            std::move(sample_values)}};
 }
 
-Setup make_setup(const Values& plant, const Seven<double>& q, const Seven<double>& q_dot,
+Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>& q, const Seven<double>& q_dot,
                  const Four& goal, std::vector<Push> pushes, double step, long steps,
                  long control_steps, long record_steps, const Values& actuators,
                  const Values& sensors, bool ideal, std::uint64_t seed) {
   const Plant<double> p = plant_from(plant);
   return {p,
+          plant_from(assumed),
           state_from_seven(p, q, q_dot),
           pair_from(goal),
           std::move(pushes),
@@ -136,13 +138,12 @@ Setup make_setup(const Values& plant, const Seven<double>& q, const Seven<double
           seed};
 }
 
-nb::dict run_law(const Setup& setup, const std::string& name, const Values& gains,
-                 const Values& assumed) {
+nb::dict run_law(const Setup& setup, const std::string& name, const Values& gains) {
   std::optional<planar::Outcome<double>> outcome;
   Table table;
   planar::for_each_law<double>([&]<class Law>() {
     if (name != Law::name) return;
-    Law law(unpack_checked<typename Law::Gains>(gains, Law::name), plant_from(assumed), setup.goal,
+    Law law(unpack_checked<typename Law::Gains>(gains, Law::name), setup.assumed, setup.goal,
             setup.timing.control_period());
     nb::gil_scoped_release unlock;
     outcome.emplace(run_with(setup, law, table));
@@ -164,14 +165,14 @@ nb::dict describe() {
   p.vehicle_mass = p.cable_length = {1.0, 1.0};
   p.bar_mass = p.bar_length = 1.0;
   p.bar_half_thickness = 0.0;
-  const Setup setup{Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0};
+  const Setup setup{Plant<double>(p), Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0};
   struct Idle {
     planar::Command<double> step(const Measurement<double>&) { return {}; }
     planar::StorageGains<double> storage_gains() const { return {}; }
     std::array<Vec2<double>, 2> d_hat() const { return {}; }
   } idle;
   nb::list columns;
-  planar::IdealActuators<double> actuators;
+  planar::IdealActuators<double> actuators(setup.plant, setup.plant);
   planar::IdealSensors<double> sensors;
   const auto outcome =
       planar::rollout<true>(setup.plant, setup.start, setup.goal, idle, actuators, sensors,
@@ -201,12 +202,12 @@ void bind_planar_rollout(nb::module_& m) {
            nb::arg("shape"), nb::arg("start"), nb::arg("duration"), nb::arg("frequency"),
            nb::arg("sample_times"), nb::arg("sample_values"));
   nb::class_<Setup>(m, "PlanarSetup", "A run, less its control law.")
-      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"), nb::arg("goal"),
+      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("assumed_plant"), nb::arg("q"), nb::arg("q_dot"), nb::arg("goal"),
            nb::arg("pushes"), nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"),
            nb::arg("record_steps"), nb::arg("actuators"), nb::arg("sensors"), nb::arg("ideal"),
            nb::arg("seed"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
-        nb::arg("assumed_plant"), "Runs a compiled law. Releases the GIL.");
+        "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),
         "Runs a law written in Python, law(t, q, q_dot, saturated) -> (u1, u2, u3, u4).");
 }

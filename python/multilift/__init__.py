@@ -10,6 +10,7 @@ World axes are y (right) and z (up); SI units and radians inside, degrees only w
 
 from importlib.metadata import version
 
+from multilift.batch import Batch, simulate_batch
 from multilift.controllers import Measurement
 from multilift.errors import (
     ControllerError,
@@ -25,6 +26,7 @@ from multilift.simulate import simulate
 __version__ = version("multilift")
 
 __all__ = [
+    "Batch",
     "ControllerError",
     "Measurement",
     "MissingExtraError",
@@ -36,4 +38,5 @@ __all__ = [
     "__version__",
     "load",
     "simulate",
+    "simulate_batch",
 ]

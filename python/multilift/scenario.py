@@ -129,6 +129,10 @@ class Scenario:
         """The plant as the law assumes it, in the core's order."""
         return schema.flatten(self.values["controller"]["assumed"], schema.PLANT.fields[1:])
 
+    def assumes(self, name: str) -> bool:
+        """Whether the scenario says what the law assumes of a plant's key, right or wrong."""
+        return name in self._raw["controller"].get("assumed", {})
+
     def gain_values(self) -> list[float]:
         """The law's gains in the core's order."""
         return schema.flatten(self.values["controller"], schema.gain_fields(self.law))

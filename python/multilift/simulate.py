@@ -27,9 +27,7 @@ def simulate(scenario: Scenario, controller: Any = None) -> Run:
     law, scenario = controllers.resolve(controller, scenario)
     setup = _setup(scenario)
     if isinstance(law, controllers.CompiledLaw):
-        result = _core.planar_rollout(
-            setup, law.name, scenario.gain_values(), scenario.assumed_values()
-        )
+        result = _core.planar_rollout(setup, law.name, scenario.gain_values())
     else:
         result = _core.planar_rollout_python(setup, law.callback(scenario))
     return Run(scenario, law, result)
@@ -41,6 +39,7 @@ def _setup(scenario: Scenario) -> _core.PlanarSetup:
     step = simulation["step"]
     return _core.PlanarSetup(
         plant=scenario.plant_values(),
+        assumed_plant=scenario.assumed_values(),
         q=scenario.q_start.tolist(),
         q_dot=scenario.q_dot_start.tolist(),
         goal=scenario.goal_vector().tolist(),

@@ -18,7 +18,8 @@ struct PushProfile {
   R start{0.0};      // s
   R duration{0.0};   // s
   R frequency{0.0};  // Hz, for sine
-  // For samples: times after `start`, s, ascending, with values; linear between them.
+  // For samples: two or more times after `start`, s, ascending, with values; linear between them
+  // and 0 beyond.
   std::vector<double> sample_times;
   std::vector<double> sample_values;
 
@@ -28,11 +29,13 @@ struct PushProfile {
   R at(double time, Stage stage) const {
     constexpr double rounding = 1e-9;  // s: what time, a multiple of the step, may be off by
     const double bias = stage == Stage::start ? rounding : stage == Stage::end ? -rounding : 0.0;
-    const R t = R(time) - start;
-    const R zero(0.0);
-    const auto active = (zero <= t + R(bias)) & (t + R(bias) < duration);
-    if (!any(active)) return zero;
-    return select(active, height(t), zero);
+    const bool sampled = shape == PushShape::samples;
+    const R first = sampled ? max(R(0.0), R(sample_times.front())) : R(0.0);
+    const R last = sampled ? min(duration, R(sample_times.back())) : duration;
+    const R since = R(time) - start;
+    const auto active = (first <= since + R(bias)) & (since + R(bias) < last);
+    if (!any(active)) return R(0.0);
+    return select(active, height(clamp(since, first, last)), R(0.0));
   }
 
  private:
@@ -55,10 +58,7 @@ struct PushProfile {
     for (std::size_t k = 1; k < sample_times.size(); ++k) {
       const R t0(sample_times[k - 1]), t1(sample_times[k]);
       const R v0(sample_values[k - 1]), v1(sample_values[k]);
-      // The last interval goes on, as a straight line, to the profile's end.
-      const bool last = k + 1 == sample_times.size();
-      const auto inside = last ? t0 <= t : (t0 <= t) & (t < t1);
-      result = select(inside, v0 + (v1 - v0) * (t - t0) / (t1 - t0), result);
+      result = select(t0 <= t, v0 + (v1 - v0) * (t - t0) / (t1 - t0), result);
     }
     return result;
   }

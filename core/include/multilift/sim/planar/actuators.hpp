@@ -1,7 +1,8 @@
 // From the command u to the force on each vehicle.
 //
 // The paper's outer loop: u_1 = f sin(phi), u_2 = f cos(phi) - (m + m3/2) g, so a command is a
-// thrust f and an attitude phi. `IdealActuators` applies it at once. `TestbedActuators` adds what a
+// thrust f and an attitude phi, worked out with the masses that the law assumes. `IdealActuators`
+// applies it at once. `TestbedActuators` adds what a
 // real vehicle has: limits on thrust and tilt, a command delay, and first-order answers of thrust
 // and attitude, solved exactly between instants since their command is held.
 #pragma once
@@ -92,7 +93,13 @@ std::array<long, static_cast<std::size_t>(lanes_of<R>)> steps_of(const R& time, 
 template <Real R>
 class IdealActuators {
  public:
-  void command(long, const Command<R>& u) { u_ = u; }
+  IdealActuators(const Plant<R>& assumed, const Plant<R>& actual)
+      : surplus_{assumed.gravity_share(0) - actual.gravity_share(0),
+                 assumed.gravity_share(1) - actual.gravity_share(1)} {}
+
+  void command(long, const Command<R>& u) {
+    for (std::size_t i = 0; i < 2; ++i) u_[i] = {u[i].y, u[i].z + surplus_[i]};
+  }
   void begin_step(long) {}
   const Command<R>& at_start() const { return u_; }
   const Command<R>& at_middle() const { return u_; }
@@ -100,24 +107,27 @@ class IdealActuators {
   std::array<mask_t<R>, 2> saturated() const { return {}; }
 
  private:
+  std::array<R, 2> surplus_;  // of the gravity share that the law reckons with, N
   Command<R> u_;
 };
 
 template <Real R>
 class TestbedActuators {
  public:
-  /// At the start the vehicles hover under their gravity share.
-  TestbedActuators(const ActuatorParameters<R>& limits, const Plant<R>& p, double step)
+  /// At the start the vehicles hover under the gravity share that the law reckons with.
+  TestbedActuators(const ActuatorParameters<R>& limits, const Plant<R>& assumed,
+                   const Plant<R>& actual, double step)
       : limits_(limits),
-        plant_(p),
-        line_(steps_of(limits.command_delay, step), hover(p)),
-        target_(hover(p)),
-        actual_(hover(p)),
+        assumed_(assumed),
+        plant_(actual),
+        line_(steps_of(limits.command_delay, step), hover(assumed)),
+        target_(hover(assumed)),
+        actual_(hover(assumed)),
         over_step_(decay(step)),
         over_half_step_(decay(0.5 * step)) {}
 
   void command(long step, const Command<R>& u) {
-    ThrustAttitude<R> wanted = thrust_attitude(plant_, u);
+    ThrustAttitude<R> wanted = thrust_attitude(assumed_, u);
     for (std::size_t i = 0; i < 2; ++i) {
       R &f = wanted.thrust[i], &phi = wanted.attitude[i];
       saturated_[i] = (f < limits_.thrust_min) | (limits_.thrust_max < f) |
@@ -176,6 +186,7 @@ class TestbedActuators {
   }
 
   ActuatorParameters<R> limits_;
+  Plant<R> assumed_;
   Plant<R> plant_;
   DelayLine<R, ThrustAttitude<R>> line_;
   ThrustAttitude<R> target_;

@@ -1,0 +1,183 @@
+"""Which numbers differ from world to world, as arrays under dotted scenario keys."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from multilift import schema
+from multilift.errors import ScenarioError
+from multilift.scenario import Scenario
+
+_KEY = re.compile(r"([a-z_]+(?:\[\d+\])?(?:\.[a-z_]+)+)((?:\[\d+\])*)")
+_PUSH = re.compile(r"push\[(\d+)\]\.([a-z_]+)")
+
+#: Tables whose numbers may differ, by name.
+_TABLES = {
+    t.name: t
+    for t in (
+        schema.PLANT,
+        schema.START,
+        schema.GOAL,
+        schema.SIMULATION,
+        schema.ACTUATORS,
+        schema.SENSORS,
+    )
+}
+
+
+class Columns:
+    """A scenario's numbers, each once for all worlds or once a world.
+
+    Attributes:
+        count: number of worlds.
+    """
+
+    def __init__(
+        self, scenario: Scenario, overrides: Mapping[str, ArrayLike] | None, count: int | None
+    ) -> None:
+        """Checks every override against the schema.
+
+        Args:
+            scenario: supplies what is not overridden.
+            overrides: dotted keys, optionally with indices, such as ``plant.bar_mass``,
+                ``plant.vehicle_mass[0]``, ``push[0].force[1]``; each an array with one entry a
+                world, of the key's shape or broadcast to it.
+            count: number of worlds, where no override says.
+
+        Raises:
+            ScenarioError: for unknown keys, wrong shapes or values out of range, naming the world.
+        """
+        self.scenario = scenario
+        given = {str(key): np.asarray(overrides[key]) for key in overrides or {}}
+        lengths = {key: len(a) if a.ndim else -1 for key, a in given.items()}
+        if any(n < 0 for n in lengths.values()):
+            key = next(k for k, n in lengths.items() if n < 0)
+            raise self._error(key, "is a single value", "give one entry for each world")
+        if len(set(lengths.values()) | ({count} if count is not None else set())) > 1:
+            raise self._error(
+                "", f"worlds are counted differently: {lengths or ''}", "give arrays of one length"
+            )
+        self.count = count if count is not None else next(iter(lengths.values()), 1)
+        if self.count < 1:
+            raise self._error("", "there are no worlds", "give at least one")
+        self._own: dict[str, NDArray[np.float64]] = {}
+        for key, values in given.items():
+            self._apply(key, values)
+
+    def get(self, table: str, field: schema.Field) -> NDArray[np.float64]:
+        """A field's numbers, shape (count, *field.shape) or (1, *field.shape) if all are equal."""
+        key = f"{table}.{field.name}"
+        if key in self._own:
+            return self._own[key]
+        value = self.scenario[key] if not table.startswith("push[") else self._push(table)[field.name]
+        if value is None:
+            value = np.full(field.shape, np.nan)
+        return np.asarray(value, dtype=float)[None]
+
+    def own(self, key: str) -> NDArray[np.float64]:
+        """The numbers of a key that differs from world to world."""
+        return self._own[key]
+
+    def is_own(self, key: str) -> bool:
+        """Whether a key differs from world to world."""
+        return key in self._own
+
+    def world(self, k: int) -> Scenario:
+        """World k as a scenario of its own, checked like a file.
+
+        Raises:
+            ScenarioError: for numbers that no scenario may hold together.
+        """
+        changes: dict[str, Any] = {}
+        for key, values in self._own.items():
+            value = values[k].tolist() if values.ndim > 1 else float(values[k])
+            match = _PUSH.fullmatch(key)
+            if match:
+                pushes = changes.setdefault("push", [dict(p) for p in self._given_pushes()])
+                pushes[int(match[1])][match[2]] = value
+            else:
+                changes[key] = value
+        return self.scenario.with_values(changes)
+
+    def _given_pushes(self) -> list[dict[str, Any]]:
+        pushes: list[dict[str, Any]] = self.scenario.values["push"]
+        return [{key: v for key, v in push.items() if v is not None} for push in pushes]
+
+    def _push(self, table: str) -> dict[str, Any]:
+        pushes: list[dict[str, Any]] = self.scenario.values["push"]
+        return pushes[int(table[5:-1])]
+
+    def _field(self, key: str) -> schema.Field:
+        table, _, name = key.rpartition(".")
+        if table == "controller":
+            fields = schema.controller_table(self.scenario.law).fields
+        elif table == "controller.assumed":
+            fields = schema.PLANT.fields
+        elif table in _TABLES:
+            fields = _TABLES[table].fields
+        elif (match := _PUSH.fullmatch(key)) and int(match[1]) < len(self.scenario.values["push"]):
+            fields = schema.PUSH.fields
+        else:
+            raise schema.unknown_key(
+                self.scenario.where, key, None, [*_TABLES, "controller", "push[K]"]
+            )
+        by_name = {f.name: f for f in fields if f.kind == "number"}
+        if name not in by_name:
+            raise schema.unknown_key(self.scenario.where, key, None, by_name)
+        return by_name[name]
+
+    def _apply(self, full_key: str, values: NDArray[Any]) -> None:
+        match = _KEY.fullmatch(full_key)
+        key, index = (match[1], match[2]) if match else (full_key, "")
+        field = self._field(key)
+        try:
+            numbers = values.astype(float)
+        except (TypeError, ValueError):
+            raise self._error(full_key, "holds something that is not a number") from None
+        place = tuple(int(k) for k in re.findall(r"\d+", index))
+        if len(place) > len(field.shape) or any(
+            k >= n for k, n in zip(place, field.shape, strict=False)
+        ):
+            raise self._error(full_key, "has no such element", f"its shape is {field.shape}")
+        base = self._own.get(key)
+        if base is None:
+            table = key.rpartition(".")[0]
+            base = np.broadcast_to(self.get(table, field), (self.count, *field.shape)).copy()
+        part = base[(slice(None), *place)]
+        # One entry a world: leading axis first, then broadcast over the element's own shape.
+        numbers = numbers.reshape(numbers.shape + (1,) * (part.ndim - numbers.ndim))
+        try:
+            base[(slice(None), *place)] = np.broadcast_to(numbers, part.shape)
+        except ValueError:
+            raise self._error(
+                full_key, f"has shape {values.shape}", f"give (worlds,) or {part.shape}"
+            ) from None
+        self._check(full_key, field, numbers)
+        self._own[key] = base
+
+    def _check(self, key: str, field: schema.Field, numbers: NDArray[np.float64]) -> None:
+        infinite_allowed = field.default is not None and np.isinf(np.asarray(field.default)).any()
+        bad = np.isnan(numbers) | (np.isinf(numbers) & (not infinite_allowed))
+        if field.range == "positive":
+            bad |= numbers <= 0
+        elif field.range == "non_negative":
+            bad |= numbers < 0
+        if bad.any():
+            world = int(np.argwhere(bad)[0][0])
+            raise ScenarioError(
+                f"is out of range in world {world}",
+                where=self.scenario.where,
+                key=key,
+                value=np.ravel(numbers[world]).tolist(),
+                permitted=field.permitted,
+            )
+
+    def _error(self, key: str, problem: str, advice: str = "") -> ScenarioError:
+        return ScenarioError(
+            problem, where=f"{self.scenario.where}, overrides", key=key, advice=advice
+        )
