@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
+import multilift as ml
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-
-import multilift as ml
 from multilift import plot
 
 SNAPSHOTS = (0.0, 0.7, 1.4, 2.1, 2.8, 3.5)  # s
@@ -55,7 +54,9 @@ def main():
         for law, look in LAWS:
             ax = axes[law]
             for k, time in enumerate(SNAPSHOTS):
-                draw_system(ax, runs[law], time, look.colour, 0.18 + 0.82 * (k + 1) / len(SNAPSHOTS))
+                draw_system(
+                    ax, runs[law], time, look.colour, 0.18 + 0.82 * (k + 1) / len(SNAPSHOTS)
+                )
             ax.plot(runs[law]["bar_y"], runs[law]["bar_z"], color=look.colour, lw=0.9, alpha=0.6)
             ax.set_aspect("equal")
             ax.set_xlim(-2.0, 4.3)
