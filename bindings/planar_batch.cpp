@@ -91,9 +91,8 @@ class Kernel {
       push.force = {next(), next()};
       push.torque = next();
       const R begin = next(), duration = next(), frequency = next();
-      push.profile = {shapes.shape, begin,
-                      duration,     frequency,
-                      shapes.sample_times, shapes.sample_values};
+      push.profile = {shapes.shape,        begin, duration, frequency, shapes.sample_times,
+                      shapes.sample_values};
       pushes.push_back(std::move(push));
     }
 
@@ -104,8 +103,8 @@ class Kernel {
       for (int k = 0; k < count; ++k) {
         const auto i = static_cast<std::size_t>(k);
         if (!lane(whose, k) || recorded[i] == job_.sample_rows) continue;
-        double* out = job_.samples +
-                      ((first + i) * job_.sample_rows + recorded[i]++) * job_.sample_columns;
+        double* out =
+            job_.samples + ((first + i) * job_.sample_rows + recorded[i]++) * job_.sample_columns;
         visit_columns(sample, [&](const Field&, const R& x) { *out++ = lane(x, k); });
       }
     };
@@ -119,8 +118,7 @@ class Kernel {
       std::array<std::uint64_t, MULTILIFT_LANES> seeds{};
       for (int k = 0; k < count; ++k)
         seeds[static_cast<std::size_t>(k)] = job_.seeds[first + static_cast<std::size_t>(k)];
-      planar::TestbedActuators<R> actuators(actuator_parameters, assumed, plant,
-                                            job_.timing.step);
+      planar::TestbedActuators<R> actuators(actuator_parameters, assumed, plant, job_.timing.step);
       planar::TestbedSensors<R> sensors(sensor_parameters, job_.timing.control_steps,
                                         job_.timing.step, seeds, start, pose_of(plant, start));
       store(first, count,
@@ -186,8 +184,8 @@ void run_blocks(std::size_t worlds, unsigned threads, const nb::object& progress
       {
         nb::gil_scoped_release unlock;
         std::unique_lock lock(mutex);
-        over = finished.wait_for(lock, std::chrono::milliseconds(100),
-                                 [&] { return running == 0; });
+        over =
+            finished.wait_for(lock, std::chrono::milliseconds(100), [&] { return running == 0; });
       }
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
       if (!progress.is_none()) progress(done.load());
@@ -212,8 +210,7 @@ PushShape shape_from(const std::string& name) {
   return PushShape::pulse;
 }
 
-using PushTuple =
-    std::tuple<std::string, std::string, std::vector<double>, std::vector<double>>;
+using PushTuple = std::tuple<std::string, std::string, std::vector<double>, std::vector<double>>;
 
 void run(const std::string& law, const Array2<const double>& rows,
          const Array1<const std::uint64_t>& seeds, const std::vector<PushTuple>& pushes,
@@ -253,11 +250,10 @@ void run(const std::string& law, const Array2<const double>& rows,
   planar::for_each_law<R>([&]<class Law>() {
     if (law != Law::name) return;
     known = true;
-    const std::size_t expected = 2 * count_scalars<planar::Parameters<R>>() +
-                                 count_scalars<typename Law::Gains>() +
-                                 count_scalars<planar::ActuatorParameters<R>>() +
-                                 count_scalars<planar::SensorParameters<R>>() + 14 +
-                                 6 * job.pushes.size();
+    const std::size_t expected =
+        2 * count_scalars<planar::Parameters<R>>() + count_scalars<typename Law::Gains>() +
+        count_scalars<planar::ActuatorParameters<R>>() +
+        count_scalars<planar::SensorParameters<R>>() + 14 + 6 * job.pushes.size();
     if (job.columns != expected)
       throw std::invalid_argument("a world takes " + std::to_string(expected) + " numbers, got " +
                                   std::to_string(job.columns));

@@ -106,8 +106,8 @@ using Table = nb::ndarray<T, nb::numpy, nb::ndim<2>, nb::c_contig, nb::device::c
 /// Row by row, for many starts: the ten free coordinates, then by how much the start misses the
 /// closure, m, and its rate, m/s; all NaN where the load was to hang at rest and cannot.
 Table<double> starts(const Table<const double>& plants, const Table<const double>& vehicles,
-                 const Table<const double>& angles, const Table<const double>& velocities,
-                 const Table<const double>& angle_rates) {
+                     const Table<const double>& angles, const Table<const double>& velocities,
+                     const Table<const double>& angle_rates) {
   const std::size_t n = plants.shape(0);
   auto* free = new double[n * 12];
   nb::capsule owner(free, [](void* p) noexcept { delete[] static_cast<double*>(p); });
@@ -123,8 +123,8 @@ Table<double> starts(const Table<const double>& plants, const Table<const double
       continue;
     }
     const Seven<double> q{v[0], v[1], v[2], v[3], angle[0], angle[1], angle[2]};
-    const Seven<double> q_dot{w[0], w[1], w[2], w[3],
-                              angle_rates(k, 0), angle_rates(k, 1), angle_rates(k, 2)};
+    const Seven<double> q_dot{
+        w[0], w[1], w[2], w[3], angle_rates(k, 0), angle_rates(k, 1), angle_rates(k, 2)};
     // Along q_dot by dual numbers: the gap and its rate in one evaluation.
     Seven<Dual<1>> moving;
     for (std::size_t i = 0; i < 7; ++i) {
@@ -135,11 +135,18 @@ Table<double> starts(const Table<const double>& plants, const Table<const double
         unpack<planar::Parameters<Dual<1>>>(plants.data() + k * plants.shape(1)));
     const auto gap = closure(dual_plant, moving);
     const State<double> s = state_from_seven(plant, q, q_dot);
-    const std::array<double, 12> numbers{
-        s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
-        s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2],
-        std::max(std::fabs(gap.y.x), std::fabs(gap.z.x)),
-        std::max(std::fabs(gap.y.d[0]), std::fabs(gap.z.d[0]))};
+    const std::array<double, 12> numbers{s.bar.y,
+                                         s.bar.z,
+                                         s.theta[0],
+                                         s.theta[1],
+                                         s.theta[2],
+                                         s.bar_velocity.y,
+                                         s.bar_velocity.z,
+                                         s.theta_dot[0],
+                                         s.theta_dot[1],
+                                         s.theta_dot[2],
+                                         std::max(std::fabs(gap.y.x), std::fabs(gap.z.x)),
+                                         std::max(std::fabs(gap.y.d[0]), std::fabs(gap.z.d[0]))};
     std::copy(numbers.begin(), numbers.end(), row);
   }
   return Table<double>(free, {n, 12}, owner);

@@ -75,8 +75,8 @@ planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
                                  s.timing, record)[0];
   }
   planar::TestbedActuators<double> actuators(s.actuators, s.assumed, s.plant, s.timing.step);
-  planar::TestbedSensors<double> sensors(s.sensors, s.timing.control_steps, s.timing.step, {s.seed}, s.start,
-                                 pose_of(s.plant, s.start));
+  planar::TestbedSensors<double> sensors(s.sensors, s.timing.control_steps, s.timing.step, {s.seed},
+                                         s.start, pose_of(s.plant, s.start));
   return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
                                s.timing, record)[0];
 }
@@ -121,10 +121,10 @@ Push make_push(const std::string& body, const std::array<double, 2>& force, doub
            std::move(sample_values)}};
 }
 
-Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>& q, const Seven<double>& q_dot,
-                 const Four& goal, std::vector<Push> pushes, double step, long steps,
-                 long control_steps, long record_steps, const Values& actuators,
-                 const Values& sensors, bool ideal, std::uint64_t seed) {
+Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>& q,
+                 const Seven<double>& q_dot, const Four& goal, std::vector<Push> pushes,
+                 double step, long steps, long control_steps, long record_steps,
+                 const Values& actuators, const Values& sensors, bool ideal, std::uint64_t seed) {
   const Plant<double> p = plant_from(plant);
   return {p,
           plant_from(assumed),
@@ -165,7 +165,8 @@ nb::dict describe() {
   p.vehicle_mass = p.cable_length = {1.0, 1.0};
   p.bar_mass = p.bar_length = 1.0;
   p.bar_half_thickness = 0.0;
-  const Setup setup{Plant<double>(p), Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0};
+  const Setup setup{
+      Plant<double>(p), Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0};
   struct Idle {
     planar::Command<double> step(const Measurement<double>&) { return {}; }
     planar::StorageGains<double> storage_gains() const { return {}; }
@@ -202,10 +203,10 @@ void bind_planar_rollout(nb::module_& m) {
            nb::arg("shape"), nb::arg("start"), nb::arg("duration"), nb::arg("frequency"),
            nb::arg("sample_times"), nb::arg("sample_values"));
   nb::class_<Setup>(m, "PlanarSetup", "A run, less its control law.")
-      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("assumed_plant"), nb::arg("q"), nb::arg("q_dot"), nb::arg("goal"),
-           nb::arg("pushes"), nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"),
-           nb::arg("record_steps"), nb::arg("actuators"), nb::arg("sensors"), nb::arg("ideal"),
-           nb::arg("seed"));
+      .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("assumed_plant"), nb::arg("q"),
+           nb::arg("q_dot"), nb::arg("goal"), nb::arg("pushes"), nb::arg("step"), nb::arg("steps"),
+           nb::arg("control_steps"), nb::arg("record_steps"), nb::arg("actuators"),
+           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
         "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),

@@ -3,10 +3,17 @@ Compiled core of multilift. Use the multilift package; this module may change.
 """
 
 from collections.abc import Callable, Sequence
+from typing import Annotated
+
+import numpy
+from numpy.typing import NDArray
 
 
 def build_info() -> dict:
     """Compiler, and the commit of the sources where they were a checkout."""
+
+def instruction_sets() -> list:
+    """Names of the batch kernels that this processor can run, widest first."""
 
 def sincos(x: float) -> tuple:
     """Sine and cosine of x, rad."""
@@ -37,12 +44,22 @@ def planar_mass_matrix(plant: Sequence[float], q: Sequence[float]) -> list[list[
 def planar_closure(plant: Sequence[float], q: Sequence[float]) -> list[float]:
     """c(q), m."""
 
+def planar_rest_angles(plant: Sequence[float], vehicle_position: Sequence[float]) -> list[float] | None:
+    """
+    Angles, rad, at which the load hangs at rest below vehicles at (y1, z1, y2, z2), m; None where there is no rest with all angles inside +-pi/2.
+    """
+
 def planar_seven(plant: Sequence[float], bar: Sequence[float], theta: Sequence[float], bar_velocity: Sequence[float], theta_dot: Sequence[float]) -> tuple:
     """q and q_dot from the five free coordinates and their rates."""
 
 def planar_free_coordinates(plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float]) -> list[float]:
     """
     [bar y, bar z, theta1..3 and their rates] from the seven coordinates and their rates.
+    """
+
+def planar_starts(plants: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], vehicle_positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], angles: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], vehicle_velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], angle_rates: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')]:
+    """
+    For each row: the ten free coordinates, and how far the start misses the closure (m) and its rate (m/s). NaN angles mean at rest; a row of NaN, that there is none.
     """
 
 def planar_jacobian(plant: Sequence[float], free_coordinates: Sequence[float], u: Sequence[float]) -> list[list[float]]:
@@ -90,9 +107,9 @@ class PlanarPush:
 class PlanarSetup:
     """A run, less its control law."""
 
-    def __init__(self, plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int) -> None: ...
+    def __init__(self, plant: Sequence[float], assumed_plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int) -> None: ...
 
-def planar_rollout(setup: PlanarSetup, law: str, gains: Sequence[float], assumed_plant: Sequence[float]) -> dict:
+def planar_rollout(setup: PlanarSetup, law: str, gains: Sequence[float]) -> dict:
     """Runs a compiled law. Releases the GIL."""
 
 def planar_rollout_python(setup: PlanarSetup, law: Callable) -> dict:

@@ -258,7 +258,9 @@ def layout(
         parts = []
         for field in fields:
             values = columns.get(table, field)
-            values = values[worlds] if len(values) > 1 else np.broadcast_to(values, (n, *field.shape))
+            values = (
+                values[worlds] if len(values) > 1 else np.broadcast_to(values, (n, *field.shape))
+            )
             parts.append(values.reshape(n, -1))
         return np.concatenate(parts, axis=1)
 

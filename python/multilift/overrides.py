@@ -74,7 +74,9 @@ class Columns:
         key = f"{table}.{field.name}"
         if key in self._own:
             return self._own[key]
-        value = self.scenario[key] if not table.startswith("push[") else self._push(table)[field.name]
+        value = (
+            self.scenario[key] if not table.startswith("push[") else self._push(table)[field.name]
+        )
         if value is None:
             value = np.full(field.shape, np.nan)
         return np.asarray(value, dtype=float)[None]

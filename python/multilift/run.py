@@ -47,7 +47,7 @@ class Run:
         end_time: when it ended, s; the scenario's duration if it finished.
         metrics: by name, in the units of ``quantities.METRICS``; NaN where there is no value,
             such as the settling time of a swing that never settled.
-        audit: energy audit by entry, J; see ``docs/theory``.
+        audit: energy audit by entry, J; see ``docs/audit``.
     """
 
     def __init__(

@@ -26,7 +26,8 @@ class Scenario:
     Attributes:
         where: the file it came from, or a description.
         values: every table complete with defaults, as plain Python values.
-        q_start, q_dot_start: the seven coordinates and rates at the start, shape (7,).
+        q_start: the seven coordinates at the start, shape (7,), m and rad.
+        q_dot_start: their rates, shape (7,), m/s and rad/s.
     """
 
     def __init__(self, raw: Mapping[str, Any], where: str = "scenario") -> None:
@@ -49,7 +50,7 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        """Short name: the file's, unless the scenario gives one."""
+        """Short name; the file's, unless the scenario gives one."""
         return str(self.values["name"])
 
     @property

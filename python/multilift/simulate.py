@@ -18,7 +18,7 @@ def simulate(scenario: Scenario, controller: Any = None) -> Run:
             Python function or class (:mod:`multilift.controllers`).
 
     Returns:
-        The run: trajectory, metrics, audit, and how it ended.
+        Trajectory, metrics and audit of the run, and how it ended.
 
     Raises:
         ControllerError: for a law that cannot be found or stepped.

@@ -57,15 +57,11 @@ struct Lanes {
   Lanes& operator-=(Lanes b) { return *this = *this - b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
 
-  friend MULTILIFT_INLINE LaneMask<W> operator<(Lanes a, Lanes b) {
-    return LaneMask<W>(a.v < b.v);
-  }
+  friend MULTILIFT_INLINE LaneMask<W> operator<(Lanes a, Lanes b) { return LaneMask<W>(a.v < b.v); }
   friend MULTILIFT_INLINE LaneMask<W> operator<=(Lanes a, Lanes b) {
     return LaneMask<W>(a.v <= b.v);
   }
-  friend MULTILIFT_INLINE LaneMask<W> operator>(Lanes a, Lanes b) {
-    return LaneMask<W>(a.v > b.v);
-  }
+  friend MULTILIFT_INLINE LaneMask<W> operator>(Lanes a, Lanes b) { return LaneMask<W>(a.v > b.v); }
   friend MULTILIFT_INLINE LaneMask<W> operator>=(Lanes a, Lanes b) {
     return LaneMask<W>(a.v >= b.v);
   }

@@ -33,9 +33,8 @@ class DelayLine {
       const auto i = static_cast<std::size_t>(k);
       while (received_[i] < sent_ && queue_[received_[i] % Capacity].step + delay_[i] <= step) {
         const T& arrived = queue_[received_[i] % Capacity].value;
-        current_.visit_scalars(arrived, [k](auto& mine, const auto& its) {
-          set_lane(mine, k, lane(its, k));
-        });
+        current_.visit_scalars(
+            arrived, [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
         ++received_[i];
       }
     }

@@ -32,7 +32,7 @@ struct FeedbackGains {
   static void visit(Self& self, V&& v) {
     v(Field{"k_p", "N/m", Range::positive, "proportional gain K_p"}, self.k_p);
     v(Field{"k_d", "N s/m", Range::positive, "derivative gain K_d"}, self.k_d);
-    v(Field{"gamma", "N s^2/m^2", Range::positive, "adaptation gain Gamma of (51)"}, self.gamma);
+    v(Field{"gamma", "N s^2/m^3", Range::positive, "adaptation gain Gamma of (51)"}, self.gamma);
     v(Field{"d_hat_start", "N s/m", Range::any, "drag estimate at the start"}, self.d_hat_start);
     v(Field{"k_i", "N/(m s)", Range::non_negative, "integral gain (Remark 6); 0 switches it off"},
       self.k_i);

@@ -140,9 +140,12 @@ struct Powers {
       self.internal);
     v(Field{"push", "J", Range::any, "pushes on vehicles and bar"}, self.push);
     v(Field{"actuation", "J", Range::any,
-            "force applied less the law's force: sampling, delay, lag, limits, noise, integral"},
+            "force applied less the law's: sampling, delay, lag, limits, noise, integral, wrong "
+            "masses; for a law without a storage function, the whole work of u"},
       self.actuation);
-    v(Field{"adaptation", "J", Range::any, "estimate updated at control instants, against (51)"},
+    v(Field{"adaptation", "J", Range::any,
+            "estimate updated at control instants, against (51); for a law without a storage "
+            "function, the work of the vehicles' drag"},
       self.adaptation);
   }
 

@@ -4,10 +4,11 @@
 //     [ M  J^T ] [ q_ddot ]   [ U + F_r + F_push - C q_dot - G ]
 //     [ J   0  ] [  -mu   ] = [ -J_dot q_dot                   ]
 //
-// M alone has rank 6 at most (5 where the load hangs straight), since the angles enter the kinetic
-// energy (5) only through the bar's two velocity components; with the closure c(q) = 0 and its
-// multipliers mu (the bar's internal force, +mu on its end 2 and -mu on its end 1) the system is
-// regular. Used as the reference that the fast formulation (dynamics.hpp) is tested against.
+// M alone has rank 6 at most (5 where theta1 = -theta2 = theta3, as at hover), since the angles
+// enter the kinetic energy (5) only through the bar's two velocity components; with the closure
+// c(q) = 0 and its multipliers mu the system is regular. mu is the bar's internal force: R1 - R2 =
+// 2 mu, with R_i the force of cable i on the bar, where the bar has no inertia and is not pushed.
+// Used as the reference that the fast formulation (dynamics.hpp) is tested against.
 #pragma once
 
 #include "multilift/math/dense.hpp"

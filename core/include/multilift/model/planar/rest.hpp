@@ -37,8 +37,8 @@ inline bool rest_angles(const Plant<double>& plant, const std::array<Vec2<double
   const double tilt = apart.y != 0.0 ? std::atan2(apart.z, apart.y) : 0.0;
   const double lean =
       std::asin(std::clamp((apart.y - l0 * std::cos(tilt)) / (l1 + l2), -0.99, 0.99));
-  for (const auto& start : {std::array<double, 3>{0.0, 0.0, 0.0}, {lean, lean, tilt},
-                            {lean, lean, 0.5 * tilt}}) {
+  for (const auto& start :
+       {std::array<double, 3>{0.0, 0.0, 0.0}, {lean, lean, tilt}, {lean, lean, 0.5 * tilt}}) {
     std::array<double, 5> x{start[0], start[1], start[2], 0.0, 0.0};
     double residual = unlimited;
     for (int iteration = 0; iteration < 100; ++iteration) {

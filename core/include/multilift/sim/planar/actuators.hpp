@@ -130,8 +130,8 @@ class TestbedActuators {
     ThrustAttitude<R> wanted = thrust_attitude(assumed_, u);
     for (std::size_t i = 0; i < 2; ++i) {
       R &f = wanted.thrust[i], &phi = wanted.attitude[i];
-      saturated_[i] = (f < limits_.thrust_min) | (limits_.thrust_max < f) |
-                      (limits_.tilt_max < abs(phi));
+      saturated_[i] =
+          (f < limits_.thrust_min) | (limits_.thrust_max < f) | (limits_.tilt_max < abs(phi));
       f = clamp(f, limits_.thrust_min, limits_.thrust_max);
       phi = clamp(phi, -limits_.tilt_max, limits_.tilt_max);
     }
@@ -144,8 +144,7 @@ class TestbedActuators {
     // Without lag the answer is there at once.
     const R zero(0.0);
     for (std::size_t i = 0; i < 2; ++i) {
-      actual_.thrust[i] =
-          select(over_step_.thrust <= zero, target_.thrust[i], actual_.thrust[i]);
+      actual_.thrust[i] = select(over_step_.thrust <= zero, target_.thrust[i], actual_.thrust[i]);
       actual_.attitude[i] =
           select(over_step_.attitude <= zero, target_.attitude[i], actual_.attitude[i]);
     }

@@ -21,8 +21,7 @@ struct Push {
 
 /// The loads at a stage of a step: the applied command and every push.
 template <Real R>
-MULTILIFT_INLINE Loads<R> loads_at(double time, Stage stage,
-                                   const std::array<Vec2<R>, 2>& applied,
+MULTILIFT_INLINE Loads<R> loads_at(double time, Stage stage, const std::array<Vec2<R>, 2>& applied,
                                    const std::vector<Push<R>>& pushes) {
   Loads<R> loads{applied, {}, {}, R(0.0)};
   for (const Push<R>& push : pushes) {

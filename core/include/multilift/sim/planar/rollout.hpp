@@ -90,8 +90,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
   Audit<R> audit;
   Outcomes<R> outcomes;
   mask_t<R> alive = R(0.0) < R(1.0);
-  if constexpr (with_audit)
-    audit.begin(storage_function(plant, gains, state, pose, goal, d_hat));
+  if constexpr (with_audit) audit.begin(storage_function(plant, gains, state, pose, goal, d_hat));
 
   for (long k = 0;; ++k) {
     const double time = h * static_cast<double>(k);
@@ -125,7 +124,8 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     };
     const Verdict<R> verdict = judge(state, now);
     const bool last = k == timing.steps;
-    const mask_t<R> ending = alive & (verdict.any_cause() | mask_t<R>(R(0.0) < R(last ? 1.0 : 0.0)));
+    const mask_t<R> ending =
+        alive & (verdict.any_cause() | mask_t<R>(R(0.0) < R(last ? 1.0 : 0.0)));
     if (any(ending)) {
       record(sample(), ending);
       for (int i = 0; i < lanes_of<R>; ++i) {
@@ -161,9 +161,9 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
       const Pose<R> stage_pose = pose_of(plant, x);
       const Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
       if constexpr (with_audit)
-        work = work + R(middle ? h / 3.0 : h / 6.0) *
-                          powers_of(plant, gains, x, stage_pose, stage_loads, stage_motion, goal,
-                                    d_hat);
+        work = work + R(middle ? h / 3.0 : h / 6.0) * powers_of(plant, gains, x, stage_pose,
+                                                                stage_loads, stage_motion, goal,
+                                                                d_hat);
       return stage_motion.rate(x);
     });
     if constexpr (with_audit) audit.add(work);

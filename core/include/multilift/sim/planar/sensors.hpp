@@ -86,7 +86,8 @@ class TestbedSensors {
     R unused(0.0);
     // Each pair of values keeps its own stream, whichever noises are on.
     for (std::size_t i = 0; i < 2; ++i) {
-      blur(measured.vehicle[i].y, measured.vehicle[i].z, parameters_.position_noise, stream++, draw);
+      blur(measured.vehicle[i].y, measured.vehicle[i].z, parameters_.position_noise, stream++,
+           draw);
       blur(measured.vehicle_velocity[i].y, measured.vehicle_velocity[i].z,
            parameters_.velocity_noise, stream++, draw);
     }
