@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,17 +146,18 @@ def simulate_batch(
     groups = _timing_groups(columns)
     rows = max(_steps(t)["rows"] for t, _ in groups) if trajectories else None
     batch = Batch(scenario, columns.count, rows)
-    before = 0
+    finished = 0
     for timing, members in groups:
         for begin in range(0, len(members), CHUNK):
             worlds = members[begin : begin + CHUNK]
-            done = before
-            _run(
-                kernel, columns, batch, timing, worlds, threads or os.cpu_count() or 1,
-                None if progress is None else lambda k, done=done: progress(done + k),
-            )  # fmt: skip
-            before += len(worlds)
+            report = None if progress is None else partial(_add, progress, finished)
+            _run(kernel, columns, batch, timing, worlds, threads or os.cpu_count() or 1, report)
+            finished += len(worlds)
     return batch
+
+
+def _add(progress: Callable[[int], None], before: int, done: int) -> None:
+    progress(before + done)
 
 
 def _as_mapping(overrides: Any) -> Mapping[str, ArrayLike] | None:

@@ -53,7 +53,7 @@ class Columns:
             ScenarioError: for unknown keys, wrong shapes or values out of range, naming the world.
         """
         self.scenario = scenario
-        given = {str(key): np.asarray(overrides[key]) for key in overrides or {}}
+        given = {str(key): np.asarray(values) for key, values in (overrides or {}).items()}
         lengths = {key: len(a) if a.ndim else -1 for key, a in given.items()}
         if any(n < 0 for n in lengths.values()):
             key = next(k for k, n in lengths.items() if n < 0)
@@ -150,11 +150,12 @@ class Columns:
         if base is None:
             table = key.rpartition(".")[0]
             base = np.broadcast_to(self.get(table, field), (self.count, *field.shape)).copy()
-        part = base[(slice(None), *place)]
+        where: Any = (slice(None), *place)
+        part = base[where]
         # One entry a world: leading axis first, then broadcast over the element's own shape.
         numbers = numbers.reshape(numbers.shape + (1,) * (part.ndim - numbers.ndim))
         try:
-            base[(slice(None), *place)] = np.broadcast_to(numbers, part.shape)
+            base[where] = np.broadcast_to(numbers, part.shape)
         except ValueError:
             raise self._error(
                 full_key, f"has shape {values.shape}", f"give (worlds,) or {part.shape}"
