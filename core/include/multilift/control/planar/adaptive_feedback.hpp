@@ -49,7 +49,7 @@ class AdaptiveFeedback {
   AdaptiveFeedback(const FeedbackGains<R>& gains, double period)
       : gains_(gains), period_(period), d_hat_(gains.d_hat_start) {}
 
-  Command<R> step(const UnifiedError<R>& error, const Measurement<R>& measured) {
+  MULTILIFT_INLINE Command<R> step(const UnifiedError<R>& error, const Measurement<R>& measured) {
     Command<R> u;
     for (std::size_t i = 0; i < 2; ++i) {
       const Vec2<R>& velocity = measured.vehicle_velocity[i];

@@ -31,7 +31,7 @@ class EnergyCoupled {
         goal_(goal),
         feedback_(gains.feedback, period) {}
 
-  Command<R> step(const Measurement<R>& measured) {
+  MULTILIFT_INLINE Command<R> step(const Measurement<R>& measured) {
     const Swing<R> swing = swing_of(assumed_, measured.angle, measured.theta_dot);
     return feedback_.step(unified_error(assumed_, k_lambda_, swing, measured.vehicle,
                                         measured.vehicle_velocity, goal_),

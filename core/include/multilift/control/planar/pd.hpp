@@ -16,7 +16,7 @@ class Pd {
   Pd(const Gains& gains, const Plant<R>&, const PerAxis<R>& goal, double period)
       : goal_(goal), feedback_(gains, period) {}
 
-  Command<R> step(const Measurement<R>& measured) {
+  MULTILIFT_INLINE Command<R> step(const Measurement<R>& measured) {
     UnifiedError<R> error;
     for (std::size_t i = 0; i < 2; ++i) {
       error.eps[i] = measured.vehicle[i] - goal_[i];

@@ -175,7 +175,7 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   for (std::size_t k = 0; k < 3; ++k)
     w.dissipation -= (one + coupling) * p.swing_damping[k] * square(state.theta_dot[k]);
   w.push = dot(loads.bar_push, state.bar_velocity) +
-           R(2.0) * gains.k_lambda / p.bar_mass * dot(swing.rate, loads.bar_push) +
+           R(2.0) * gains.k_lambda * p.inverse_bar_mass * dot(swing.rate, loads.bar_push) +
            (one + coupling) * loads.bar_torque * state.theta_dot[2];
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec2<R>& eps_dot = error.eps_dot[i];

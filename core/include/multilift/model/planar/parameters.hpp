@@ -46,13 +46,15 @@ template <Real R>
 struct Plant : Parameters<R> {
   std::array<R, 2> inverse_mass;    // of the vehicles, 1/kg
   std::array<R, 2> inverse_length;  // of the cables, 1/m
+  R inverse_bar_mass;               // 1/kg
   R kappa;                          // 4/m3 + 1/m1 + 1/m2 of (23), 1/kg
 
   explicit Plant(const Parameters<R>& p)
       : Parameters<R>(p),
         inverse_mass{R(1.0) / p.vehicle_mass[0], R(1.0) / p.vehicle_mass[1]},
         inverse_length{R(1.0) / p.cable_length[0], R(1.0) / p.cable_length[1]},
-        kappa(R(4.0) / p.bar_mass + inverse_mass[0] + inverse_mass[1]) {}
+        inverse_bar_mass(R(1.0) / p.bar_mass),
+        kappa(R(4.0) * inverse_bar_mass + inverse_mass[0] + inverse_mass[1]) {}
 
   /// Force that holds vehicle i and its half of the bar against gravity, N.
   R gravity_share(std::size_t i) const {

@@ -33,7 +33,7 @@ class Metrics {
 
   /// At every integration step, the first and the last included; `step` is the time until the next
   /// one, 0 at the last.
-  void update(const Instant<R>& now, double step) {
+  MULTILIFT_INLINE void update(const Instant<R>& now, double step) {
     const R time(now.time);
     R swing_sum(0.0);
     for (std::size_t k = 0; k < 3; ++k)

@@ -45,7 +45,7 @@ struct SensorParameters {
 };
 
 template <Real R>
-Measurement<R> truth(const State<R>& state, const Pose<R>& pose) {
+MULTILIFT_INLINE Measurement<R> truth(const State<R>& state, const Pose<R>& pose) {
   Measurement<R> measured;
   measured.vehicle = pose.vehicle;
   measured.vehicle_velocity = pose.vehicle_velocity;
