@@ -1,6 +1,7 @@
 // Pushes: outside forces given as functions of time.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -18,7 +19,8 @@ struct PushProfile {
   double start{0.0};      // s
   double duration{0.0};   // s
   double frequency{0.0};  // Hz, for sine
-  // For samples: times after `start`, s, ascending, with values; linear between them.
+  // For samples: two or more times after `start`, s, ascending, with values; linear between them
+  // and 0 beyond.
   std::vector<double> sample_times;
   std::vector<double> sample_values;
 
@@ -28,8 +30,11 @@ struct PushProfile {
   double at(double time, Stage stage) const {
     constexpr double rounding = 1e-9;  // s: what time, a multiple of the step, may be off by
     const double bias = stage == Stage::start ? rounding : stage == Stage::end ? -rounding : 0.0;
+    const bool sampled = shape == PushShape::samples;
+    const double first = sampled ? std::max(0.0, sample_times.front()) : 0.0;
+    const double last = sampled ? std::min(duration, sample_times.back()) : duration;
     const double t = time - start;
-    if (t + bias < 0.0 || t + bias >= duration) return 0.0;
+    if (t + bias < first || t + bias >= last) return 0.0;
     switch (shape) {
       case PushShape::pulse:
         return 1.0;
@@ -45,7 +50,6 @@ struct PushProfile {
 
  private:
   double interpolate(double t) const {
-    if (t < sample_times.front()) return 0.0;
     std::size_t k = 1;
     while (k + 1 < sample_times.size() && sample_times[k] <= t) ++k;
     const double t0 = sample_times[k - 1], t1 = sample_times[k];
