@@ -17,10 +17,11 @@ ENTRIES = {  # of the audit, by the column of their power
 # Unlike vehicles on their way to a goal that deforms the formation, pushed smoothly.
 EVERYTHING = UNLIKE | {
     "push": [
-        {"body": body, "start": 0.0, "duration": 1.0, "force": [0.7, -0.9], "shape": "half_sine"}
-        for body in ("vehicle_1", "vehicle_2", "bar")
+        {"body": body, "force": [0.7, -0.9], "torque": torque,
+         "start": 0.0, "duration": 1.0, "shape": "half_sine"}
+        for body, torque in (("vehicle_1", 0.0), ("vehicle_2", 0.0), ("bar", 0.5))
     ]
-}
+}  # fmt: skip
 
 
 def at_rate(scenario, rate, step, duration, values=()):
