@@ -52,12 +52,13 @@ def look_up(values: Any, key: str) -> Any:
     """
     node = values
     for step in parse(key):
-        if isinstance(step, str) and isinstance(node, Mapping) and step in node:
-            node = node[step]
-        elif isinstance(step, int) and isinstance(node, list) and step < len(node):
-            node = node[step]
-        else:
+        if not isinstance(node, Mapping if isinstance(step, str) else list):
             raise KeyError(key)
+        container: Any = node
+        try:
+            node = container[step]
+        except (KeyError, IndexError):
+            raise KeyError(key) from None
     return node
 
 

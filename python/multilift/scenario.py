@@ -81,9 +81,9 @@ class Scenario:
         """A new scenario with some dotted keys changed, checked again.
 
         Args:
-            values: such as ``{"controller.k_lambda": 0.8, "plant.bar_mass": "600 g"}``; one place of
-                an array by its indices, ``{"controller.k_d[0][1]": 5.0}``. Keys without indices
-                are set first.
+            values: such as ``{"controller.k_lambda": 0.8, "plant.bar_mass": "600 g"}``; one place
+                of an array by its indices, ``{"controller.k_d[0][1]": 5.0}``. Keys without
+                indices are set first.
 
         Raises:
             ScenarioError: as for a file.
@@ -118,6 +118,10 @@ class Scenario:
         raw["controller"] = {k: v for k, v in raw["controller"].items() if k in known}
         raw["controller"]["law"] = law
         return Scenario(raw, self.where)
+
+    def raw(self) -> dict[str, Any]:
+        """The tables as the file and later changes give them, without defaults."""
+        return deepcopy(self._raw)
 
     def to_toml(self) -> str:
         """The complete scenario, defaults included, as a file that loads to the same one."""
