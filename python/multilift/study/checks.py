@@ -76,7 +76,11 @@ def _check_collisions(study: Study) -> None:
 def _check_ends(study: Study, k: int, varied: Vary) -> None:
     key = f"vary[{k}]"
     for target in varied.targets:
-        if varied.apply != "set" and study.scenario[target.key] is None:
+        try:
+            own = study.scenario[target.key]
+        except KeyError:  # a place of an array that the scenario leaves out
+            own = None
+        if varied.apply != "set" and own is None:
             raise ScenarioError(
                 "has no value of its own", where=study.where, key=f"{key}.key", value=target.key,
                 advice=f"give it in the scenario, or use apply = \"set\" instead of {varied.apply}",

@@ -38,6 +38,7 @@ def draw(study: Study, start: int, stop: int) -> dict[str, NDArray[np.float64] |
     Raises:
         MissingExtraError: if a method or distribution needs SciPy and it is not installed.
     """
+    start, stop = int(start), int(stop)
     worlds = np.arange(start, stop, dtype=np.int64)
     cells, samples = worlds % study.cells, worlds // study.cells
     first, last = start // study.cells, (stop - 1) // study.cells + 1

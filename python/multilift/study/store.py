@@ -14,6 +14,7 @@ import json
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,6 +38,9 @@ MANIFEST = "study.json"
 ROWS = "rows"
 _LOCK = ".lock"
 _PART = re.compile(r"chunk-(\d{7,})\.([0-9a-f]{32})\.parquet")
+
+#: How long to wait for a folder's lock, s: a process just killed may still be going down.
+_PATIENCE = 2.0
 
 #: What made the rows; a study is not continued by another version, which may round differently.
 SAME = ("multilift", "commit", "compiler", "machine", "isa")
@@ -213,13 +217,18 @@ def _check_folder(folder: Path) -> None:
 def _locked(folder: Path) -> Iterator[None]:
     """Holds the folder; the system lets go when the process ends, however it ends."""
     with (folder / _LOCK).open("a") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise OutputError(
-                f"{folder} is being written by another process\n"
-                "  what to do: wait for it, or choose another folder"
-            ) from None
+        until = time.monotonic() + _PATIENCE
+        while True:
+            try:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > until:
+                    raise OutputError(
+                        f"{folder} is being written by another process\n"
+                        "  what to do: wait for it, or choose another folder"
+                    ) from None
+                time.sleep(0.02)
         yield
 
 
