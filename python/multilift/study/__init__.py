@@ -4,8 +4,9 @@ A study is a TOML file; ``docs/studies`` explains it. Its result is one Parquet 
 and law, a summary and one offline report::
 
     from multilift import study
+    from multilift.study.run import run
 
-    result = study.run(study.load("robustness_sim1"), "out/robustness", count=1024)
+    result = run(study.load("robustness_sim1", count=1024), "out/robustness")
 """
 
 from multilift.study.spec import Criterion, Map, Study, load
