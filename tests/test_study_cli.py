@@ -1,12 +1,14 @@
 """``multilift study`` as people meet it."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 from multilift import library
-from study_files import fingerprint, rows, write
+from study_files import SMALL, fingerprint, rows, write
 
 
 def multilift(*arguments, cwd=None):
@@ -68,3 +70,18 @@ def test_bad_input_exits_with_2_and_one_message(tmp_path, arguments, words):
     assert words in result.stderr
     assert "Traceback" not in result.stderr
     assert [f.name for f in tmp_path.iterdir()] == ["small.toml"]
+
+
+def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(tmp_path):
+    write(tmp_path, SMALL.replace("= 0.05", "= 15.0").replace("count = 10", "count = 20000"))
+    command = [sys.executable, "-c", "from multilift.cli import main; main()",
+               "study", "small.toml", "-o", "out", "--chunk", "2"]  # fmt: skip
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
+        while len(list((tmp_path / "out").glob("rows/chunk-*"))) < 2:
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "the same command goes on" in told
+    assert "Traceback" not in told

@@ -149,8 +149,12 @@ def study(  # noqa: PLR0917 - typer takes what the command line has
     plan = job.load(file, count=count)
     from multilift.study import run as runner  # noqa: PLC0415 - loads the plotting packages
 
-    result = runner.run(plan, output, engine=engine, threads=threads, chunk=chunk, force=force,
-                        console=_err)  # fmt: skip
+    try:
+        result = runner.run(plan, output, engine=engine, threads=threads, chunk=chunk, force=force,
+                            console=_err)  # fmt: skip
+    except KeyboardInterrupt:
+        _err.print("finished chunks are kept: the same command goes on behind them")
+        raise
     _print_study(result, local=engine == "local")
 
 

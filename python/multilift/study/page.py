@@ -20,7 +20,7 @@ from multilift.study.rows import OUTCOMES
 from multilift.study.spec import quantity
 from multilift.study.statistics import Interval
 from multilift.study.store import Store, write_whole
-from multilift.study.summary import PROBABILITIES, Summary
+from multilift.study.summary import PROBABILITIES, Summary, toml_inline
 from multilift.study.vary import Vary
 
 
@@ -53,7 +53,8 @@ def render(store: Store, summary: Summary, drawings: list[Drawing]) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {
-        "inline": inline, "percent": percent, "interval": interval, "value": value, "signed": signed
+        "inline": inline, "percent": percent, "interval": interval, "value": value,
+        "signed": signed, "toml": toml_inline,
     }  # fmt: skip
     laws = list(study.controllers)
     return environment.from_string(_text("multilift.study", "page.html.j2")).render(
