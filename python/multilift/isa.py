@@ -18,10 +18,8 @@ def available() -> list[str]:
     return [str(name) for name in _core.instruction_sets()]
 
 
-def kernel(name: str | None = None) -> ModuleType:
-    """The batch kernel for an instruction set.
-
-    Results are the same to the last bit whichever runs; they differ in speed.
+def chosen(name: str | None = None) -> str:
+    """The instruction set that would be used.
 
     Args:
         name: None for what ``MULTILIFT_ISA`` says or, failing that, the widest.
@@ -37,4 +35,18 @@ def kernel(name: str | None = None) -> ModuleType:
             f"{source} = {wanted!r}: this processor has no such instruction set\n"
             f"  permitted: {', '.join(sets)}"
         )
-    return importlib.import_module(f"multilift._batch_{wanted}")
+    return wanted
+
+
+def kernel(name: str | None = None) -> ModuleType:
+    """The batch kernel for an instruction set.
+
+    Results are the same to the last bit whichever runs; they differ in speed.
+
+    Args:
+        name: as for ``chosen``.
+
+    Raises:
+        MultiliftError: if the processor lacks what is asked for.
+    """
+    return importlib.import_module(f"multilift._batch_{chosen(name)}")

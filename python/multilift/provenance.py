@@ -8,16 +8,17 @@ from importlib.metadata import version
 
 import numpy as np
 
-from multilift import _core
+from multilift import _core, isa
 
 
 def describe() -> dict[str, str]:
-    """Version, commit where known, compiler, platform, Python and NumPy, as plain texts."""
+    """Version, commit where known, compiler, instruction set of batches, platform, Python and NumPy, as plain texts."""
     build = _core.build_info()
     return {
         "multilift": version("multilift"),
         "commit": str(build["commit"]) or "unknown",
         "compiler": str(build["compiler"]),
+        "isa": isa.chosen(),
         "platform": platform.platform(),
         "machine": platform.machine(),
         "python": sys.version.split()[0],
