@@ -4,6 +4,7 @@
 namespace multilift::bindings {
 void bind_planar_batch(nanobind::module_& m);
 void bind_planar_worlds(nanobind::module_& m);
+void bind_planar_gradient(nanobind::module_& m);
 }  // namespace multilift::bindings
 
 NB_MODULE(MULTILIFT_BATCH_MODULE, m) {
@@ -11,4 +12,5 @@ NB_MODULE(MULTILIFT_BATCH_MODULE, m) {
   m.attr("lanes") = MULTILIFT_LANES;
   multilift::bindings::bind_planar_batch(m);
   multilift::bindings::bind_planar_worlds(m);
+  multilift::bindings::bind_planar_gradient(m);
 }

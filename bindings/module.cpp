@@ -6,7 +6,6 @@ void bind_math(nanobind::module_& m);
 void bind_planar_model(nanobind::module_& m);
 void bind_planar_control(nanobind::module_& m);
 void bind_planar_rollout(nanobind::module_& m);
-void bind_planar_gradient(nanobind::module_& m);
 }  // namespace multilift::bindings
 
 NB_MODULE(_core, m) {
@@ -39,5 +38,4 @@ NB_MODULE(_core, m) {
   multilift::bindings::bind_planar_model(m);
   multilift::bindings::bind_planar_control(m);
   multilift::bindings::bind_planar_rollout(m);
-  multilift::bindings::bind_planar_gradient(m);
 }

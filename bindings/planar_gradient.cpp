@@ -1,19 +1,19 @@
 // Exact derivatives of a run: the same rollout over dual numbers, some directions at a time.
+//
+// Compiled once for each instruction set, like planar_batch.cpp.
 #include <optional>
 
-#include "arrays.hpp"
 #include "planar_rows.hpp"
 
 namespace multilift::bindings {
 
 namespace {
 
-using planar::join_seven;
 using planar::Seven;
 using planar::Timing;
 
-/// Directions in one rollout. A rollout of this many costs less than that many rollouts.
-constexpr int directions = 8;
+/// Directions in one rollout: as many as a vector register holds.
+constexpr int directions = MULTILIFT_LANES;
 using D = Dual<directions>;
 
 /// The run's numbers, each with its derivatives along one group of directions.
@@ -144,13 +144,12 @@ nb::dict gradient(const std::string& name, const Array1<const double>& values,
 }  // namespace
 
 void bind_planar_gradient(nb::module_& m) {
-  m.def("planar_gradient", &gradient, nb::arg("law"), nb::arg("values"), nb::arg("tangents"),
+  m.def("gradient", &gradient, nb::arg("law"), nb::arg("values"), nb::arg("tangents"),
         nb::arg("pushes"), nb::arg("at_rest"), nb::arg("step"), nb::arg("steps"),
         nb::arg("control_steps"), nb::arg("ideal"), nb::arg("seed"),
         "A run's final state (10), metrics and audit, and row by row their derivatives along each "
         "row of tangents. values: plant | assumed plant | gains | actuators | sensors | q (7) | "
         "q_dot (7) | goal (4) | pushes (6 each). Releases the GIL.");
-  m.attr("planar_gradient_directions") = directions;
 }
 
 }  // namespace multilift::bindings

@@ -5,9 +5,9 @@ import itertools
 import multilift as ml
 import numpy as np
 import pytest
-
 from multilift import quantities
 from multilift.gradient import FINAL_STATE, WITHOUT_DERIVATIVE, _layout, _tangent
+from multilift.isa import VARIABLE, available
 
 # Unlike numbers everywhere, so that no derivative is zero or right by symmetry. The half sine
 # begins and ends between the integrator's instants: at them its derivative has a kink.
@@ -171,6 +171,18 @@ def test_values_are_those_of_simulate_to_the_last_bit(tables):
         assert exact.values[f"audit.{name}"] == run.audit[name]
     for name in ("bar_y", "bar_z", "theta1", "theta2", "theta3", "theta1_dot"):
         assert exact.values[name] == run[name][-1]
+
+
+def test_derivatives_have_the_same_bits_on_every_instruction_set(monkeypatch):
+    scenario = scenario_of("energy_coupled", GENERAL, TESTBED)
+    keys = differentiable(scenario)[:19]
+    results = []
+    for name in available():
+        monkeypatch.setenv(VARIABLE, name)
+        results.append(ml.gradient(scenario, keys))
+    for result in results[1:]:
+        for name in result.values:
+            np.testing.assert_array_equal(result[name], results[0][name])
 
 
 def test_keys_do_not_depend_on_their_company():

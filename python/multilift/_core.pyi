@@ -116,10 +116,3 @@ def planar_rollout_python(setup: PlanarSetup, law: Callable) -> dict:
     """
     Runs a law written in Python, law(t, q, q_dot, saturated) -> (u1, u2, u3, u4).
     """
-
-def planar_gradient(law: str, values: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], tangents: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], pushes: Sequence[tuple[str, str, Sequence[float], Sequence[float]]], at_rest: bool, step: float, steps: int, control_steps: int, ideal: bool, seed: int) -> dict:
-    """
-    A run's final state (10), metrics and audit, and row by row their derivatives along each row of tangents. values: plant | assumed plant | gains | actuators | sensors | q (7) | q_dot (7) | goal (4) | pushes (6 each). Releases the GIL.
-    """
-
-planar_gradient_directions: int = 8

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import _core, batch, quantities, schema
+from multilift import batch, isa, quantities, schema
 from multilift.errors import ControllerError, MissingExtraError, ScenarioError
 from multilift.scenario import Scenario
 
@@ -140,7 +140,7 @@ def gradient(
     simulation = scenario.values["simulation"]
     step = simulation["step"]
     testbed = any(key.startswith(("actuators.", "sensors.")) for key in keys)
-    result = _core.planar_gradient(
+    result = isa.kernel().gradient(
         law=scenario.law,
         values=values,
         tangents=tangents.reshape(len(keys), len(values)),
