@@ -8,14 +8,15 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
-  $(shell find core/include bindings python scenarios -type f -not -name '*.pyc')
+  $(shell find core/include bindings python scenarios studies -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help reproduce test test-all lint format bench docs wheel clean
+.PHONY: help reproduce test test-all test-ray lint format bench docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
 	@echo "make test        all tests"
+	@echo "make test-ray    studies on a Ray cluster of two nodes, one of which is killed"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -42,6 +43,9 @@ reproduce: $(VENV)/.with-all
 
 test: $(VENV)/.with-test
 	$(BIN)/python -m pytest -n 2
+
+test-ray: $(VENV)/.with-test $(VENV)/.with-ray
+	$(BIN)/python -m pytest tests/test_study_ray.py
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check .

@@ -3,17 +3,38 @@
 from dataclasses import asdict
 
 import numpy as np
-
 from multilift.scenario import Scenario
 
 COORDINATES = ("y1", "z1", "y2", "z2", "theta1", "theta2", "theta3")
 SHIPPED = ("sim1", "sim2", "exp1_1", "exp1_2", "exp2")
 COMPILED = ("energy_coupled", "pd")
 
+# Dotted keys that tell everything apart that sim1 and sim2 have alike, the goals mismatched.
+UNLIKE = {
+    "plant.vehicle_mass": [1.6, 2.4],
+    "plant.cable_length": [1.5, 1.9],
+    "plant.bar_inertia": 0.2,
+    "plant.vehicle_drag": [[0.1, 0.3], [0.2, 0.4]],
+    "plant.swing_damping": [0.02, 0.05, 0.08],
+    "start.vehicle_position": [[0.0, 2.0], [2.0, 2.5]],
+    "goal.vehicle_position": [[0.5, 2.6], [2.7, 2.9]],
+    "goal.allow_mismatch": True,
+}
+
 
 def no_force(_):
     """The law that leaves each vehicle its gravity share and nothing else."""
     return (0.0, 0.0, 0.0, 0.0)
+
+
+def constant(u):
+    """The law that always answers u."""
+    return lambda _: u
+
+
+def cross(a, b):
+    """Moment about x of b at a, over the last axis."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def coordinates(run):

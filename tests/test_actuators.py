@@ -1,10 +1,11 @@
 """What becomes of a command on its way to the vehicles: delay, lag, limits."""
 
+from itertools import pairwise
+
+import multilift as ml
 import numpy as np
 import pytest
 from planar_runs import at_every_step, commands, coordinates
-
-import multilift as ml
 
 STEP = 0.001  # s
 BEFORE, AFTER = (1.0, 2.0, -0.5, 1.0), (-3.0, -4.0, 2.0, 5.0)  # N
@@ -105,7 +106,7 @@ def test_lagging_forces_keep_the_order_of_the_integrator():
         coordinates(ml.simulate(base.with_values({"simulation.step": step})))
         for step in (0.01, 0.005, 0.0025, 0.00125)
     ]
-    changes = [np.abs(a - b).max() for a, b in zip(runs[:-1], runs[1:], strict=True)]
+    changes = [np.abs(a - b).max() for a, b in pairwise(runs)]
     np.testing.assert_allclose(np.divide(changes[:-1], changes[1:]), 16, atol=1.0)
 
 

@@ -1,12 +1,11 @@
 """The energy audit of whole runs, and the storage function that it follows."""
 
+import multilift as ml
 import numpy as np
 import pytest
-from planar_runs import COMPILED, SHIPPED
-from scipy.integrate import simpson
-
-import multilift as ml
 from multilift import quantities
+from planar_runs import COMPILED, SHIPPED, UNLIKE
+from scipy.integrate import simpson
 
 ENTRIES = {  # of the audit, by the column of their power
     "power_dissipation": "dissipation",
@@ -15,17 +14,14 @@ ENTRIES = {  # of the audit, by the column of their power
     "power_actuation": "actuation",
     "power_adaptation": "adaptation",
 }
-# Unequal vehicles on their way to a goal that stretches the formation, pushed smoothly.
-EVERYTHING = {
-    "plant.vehicle_mass": [1.6, 2.4],
-    "plant.bar_inertia": 0.2,
-    "goal.vehicle_position": [[0.5, 2.6], [2.7, 2.9]],
-    "goal.allow_mismatch": True,
+# Unlike vehicles on their way to a goal that deforms the formation, pushed smoothly.
+EVERYTHING = UNLIKE | {
     "push": [
-        {"body": body, "start": 0.0, "duration": 1.0, "force": [0.7, -0.9], "shape": "half_sine"}
-        for body in ("vehicle_1", "vehicle_2", "bar")
-    ],
-}
+        {"body": body, "force": [0.7, -0.9], "torque": torque,
+         "start": 0.0, "duration": 1.0, "shape": "half_sine"}
+        for body, torque in (("vehicle_1", 0.0), ("vehicle_2", 0.0), ("bar", 0.5))
+    ]
+}  # fmt: skip
 
 
 def at_rate(scenario, rate, step, duration, values=()):
@@ -96,7 +92,7 @@ def test_storage_never_rises_where_both_vehicles_move_alike(name, law, rate):
 
 
 def test_storage_may_rise_where_they_do_not():
-    run = ml.simulate(at_rate(ml.load("sim1"), 1000.0, 0.001, 15.0, EVERYTHING | {"push": []}))
+    run = ml.simulate(at_rate(ml.load("sim1"), 1000.0, 0.001, 15.0, UNLIKE))
     rise = run.metrics["storage_rise"]
     assert rise > 1e-3  # J
     # And it is the internal force that lifts it.

@@ -7,10 +7,9 @@ import sys
 import textwrap
 import time
 
+import multilift as ml
 import numpy as np
 import pytest
-
-import multilift as ml
 from multilift import isa, quantities
 
 WORLDS = 37  # no multiple of any number of lanes
@@ -153,7 +152,9 @@ def test_trajectories_on_request():
 def test_dataframes_in_and_out():
     import pandas as pd
 
-    frame = pd.DataFrame({"plant.bar_mass": [0.7, 0.8, 0.9], "controller.k_lambda": [0.0, 1.0, 2.0]})
+    frame = pd.DataFrame(
+        {"plant.bar_mass": [0.7, 0.8, 0.9], "controller.k_lambda": [0.0, 1.0, 2.0]}
+    )
     out = ml.simulate_batch(IDEAL, frame).to_dataframe()
     assert list(out["world"]) == [0, 1, 2]
     assert {"status", "end_time", "peak_swing_1", "audit.internal_force"} <= set(out.columns)

@@ -2,12 +2,11 @@
 
 from dataclasses import replace
 
+import multilift as ml
 import numpy as np
 import pytest
-from planar_runs import COMPILED, SHIPPED, at_every_step, commands, coordinates
-
-import multilift as ml
 from multilift import _core
+from planar_runs import COMPILED, SHIPPED, at_every_step, commands, coordinates
 
 
 class EnergyCoupled:
@@ -192,7 +191,7 @@ def test_saturation_does_not_wind_the_integral_up(law):
     # Thrust that can barely lift makes the climb of 1.5 m slow. What the integral gathers
     # meanwhile would carry the vehicles past the goal; at rest it gathers nothing, so they pass it
     # by no more than without limits.
-    values = {"controller.k_i": 2.0, "simulation.duration": 30.0}
+    values = {"controller.k_i": 2.0, "controller.rate": 200.0, "simulation.duration": 30.0}
     scenario = ml.load("sim1").with_law(law).with_values(values)
     weak = scenario.with_values({"actuators.thrust_max": 23.8})
     limited, free = ml.simulate(weak), ml.simulate(scenario)

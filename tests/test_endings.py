@@ -1,11 +1,10 @@
 """Runs that a broken assumption ends early: which, when, by whom, and what is kept."""
 
+import multilift as ml
 import numpy as np
 import pytest
 from planar_runs import at_every_step, commands, coordinates, no_force, released, trajectory
 from scipy.special import ellipkinc
-
-import multilift as ml
 
 STEP = 0.001  # s
 HOVER = {"goal.vehicle_position": [[0.8, 2.0], [2.6, 2.0]]}

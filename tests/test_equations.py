@@ -1,16 +1,15 @@
 """The paper's equations of motion and the core's against SymPy's own derivation."""
 
 import numpy as np
+import planar_lagrange as lagrange
 import pytest
 import sympy as sp
 from hypothesis import given
 from multilift import _core
-from sympy import cos, sin
-from sympy.polys.matrices import DomainMatrix
-
-import planar_lagrange as lagrange
 from planar_lagrange import J, a, g, l0, l1, l2, l3, m1, m2, m3, q, v, vanishes
 from planar_random import gravity_shares, laws, loads, plants, states
+from sympy import cos, sin
+from sympy.polys.matrices import DomainMatrix
 
 EPS = np.finfo(float).eps
 
@@ -92,15 +91,13 @@ def test_closed_system_is_regular_unless_both_cables_point_at_the_centre_of_an_i
 
 
 unknowns = (lagrange.parameters, q, v)
-bias = [row.subs(dict.fromkeys(a, 0)) for row in lagrange.momentum_rate]
-closure_rate = lagrange.rate(lagrange.closure)
+bias = sp.Matrix(lagrange.momentum_rate).subs(dict.fromkeys(a, 0))
+closure_bias = lagrange.rate(lagrange.rate(lagrange.closure)).subs(dict.fromkeys(a, 0))
 mass_of = sp.lambdify(unknowns, lagrange.mass)
 bias_of = sp.lambdify(unknowns, bias, cse=True)
 bar_jacobian_of = sp.lambdify(unknowns, lagrange.bar_jacobian)
 closure_jacobian_of = sp.lambdify(unknowns, lagrange.closure_jacobian)
-closure_bias_of = sp.lambdify(
-    unknowns, lagrange.rate(closure_rate).subs(dict.fromkeys(a, 0)), cse=True
-)
+closure_bias_of = sp.lambdify(unknowns, closure_bias, cse=True)
 
 
 def arguments(plant, q_now, q_dot):
@@ -142,7 +139,7 @@ def test_core_motion_satisfies_the_derived_equations_and_the_closure(plant, stat
     thrust_and_push = load[:4] + gravity_shares(plant) + load[4:8]
     forces = [
         -mass_of(*numbers) @ q_ddot,
-        -bias_of(*numbers),
+        -bias_of(*numbers).ravel(),
         -np.hstack([plant.vehicle_drag, plant.swing_damping]) * q_dot,
         np.hstack([thrust_and_push, [0, 0, load[10]]]),
         bar_jacobian.T @ load[8:10],

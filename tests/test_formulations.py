@@ -6,7 +6,6 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from multilift import _core
-
 from planar_random import State, gravity_shares, laws, loads, plants, states
 
 EPS = np.finfo(float).eps

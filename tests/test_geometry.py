@@ -15,7 +15,7 @@ def plant_of(changes):
 
 
 def test_matched_vehicles_hang_the_load_straight_down():
-    plant, values = plant_of({})
+    _, values = plant_of({})
     angles = geometry.rest_angles(values, np.array([[0.0, 3.0], [1.8, 3.0]]))
     assert np.array_equal(angles, np.zeros(3))
 
@@ -23,7 +23,7 @@ def test_matched_vehicles_hang_the_load_straight_down():
 @pytest.mark.parametrize("seed", range(20))
 def test_rest_is_closed_and_in_balance(seed):
     rng = np.random.default_rng(seed)
-    plant, values = plant_of(
+    _, values = plant_of(
         {"plant.cable_length": [1.8, 1.8 + 0.2 * rng.random()], "plant.bar_half_thickness": 0.1}
     )
     vehicles = np.array([[0.0, 3.0], [1.8 + rng.uniform(-0.8, 0.8), 3.0 + rng.uniform(-0.4, 0.4)]])
@@ -39,7 +39,7 @@ def test_rest_is_closed_and_in_balance(seed):
 
 
 def test_mirrored_vehicles_hang_a_mirrored_load():
-    plant, values = plant_of({})
+    _, values = plant_of({})
     a = geometry.rest_angles(values, np.array([[0.0, 3.0], [2.2, 3.3]]))
     b = geometry.rest_angles(values, np.array([[-2.2, 3.3], [0.0, 3.0]]))
     # Mirroring y swaps the cables, whose angles the paper counts mirrored already.

@@ -1,11 +1,10 @@
 """The metrics of a run against their definitions, applied in NumPy to every step of it."""
 
+import multilift as ml
 import numpy as np
 import pytest
-from planar_runs import COMPILED, SHIPPED, at_every_step, commands, coordinates
-
-import multilift as ml
 from multilift import quantities
+from planar_runs import COMPILED, SHIPPED, UNLIKE, at_every_step, commands, coordinates
 
 SWING_BAND, POSITION_BAND = 1.0, 0.02  # deg, m
 STEP = 0.001  # s
@@ -20,11 +19,7 @@ SPECIAL = {
         {"push": [{"body": "bar", "start": 1.0, "duration": 2.0, "force": [0.0, 12.0],
                    "shape": "half_sine"}]},
     ),
-    "vehicles that differ": (
-        "sim1",
-        {"plant.vehicle_mass": [1.6, 2.4], "goal.allow_mismatch": True,
-         "goal.vehicle_position": [[0.5, 2.6], [2.7, 2.9]]},
-    ),
+    "unlike vehicles": ("sim1", UNLIKE),
 }  # fmt: skip
 
 
@@ -56,9 +51,7 @@ def by_definition(run):
         "swing_integral": np.trapezoid(swing.sum(axis=1), run.t),
         "control_effort": (commands(run)[:-1] ** 2).sum() * STEP,
         "peak_thrust": max(thrust[f"thrust{i}_applied"].max() for i in (1, 2)),
-        "peak_tilt": np.degrees(
-            max(np.abs(thrust[f"attitude{i}_applied"]).max() for i in (1, 2))
-        ),
+        "peak_tilt": np.degrees(max(np.abs(thrust[f"attitude{i}_applied"]).max() for i in (1, 2))),
         "min_tension": min(run[f"tension{i}"].min() for i in (1, 2)),
         "storage_rise": (storage - np.minimum.accumulate(storage)).max(),
     }

@@ -194,7 +194,7 @@ def test_every_required_key_is_missed_by_name(tmp_path):
 def test_broken_toml_names_the_file_and_place(tmp_path, text):
     file = tmp_path / "broken.toml"
     file.write_text(text)
-    with pytest.raises(ml.ScenarioError, match="line|control") as caught:
+    with pytest.raises(ml.ScenarioError, match=r"line|control") as caught:
         ml.load(file)
     assert str(file) in str(caught.value)
 

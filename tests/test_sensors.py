@@ -2,12 +2,11 @@
 
 from itertools import combinations
 
+import multilift as ml
 import numpy as np
 import pytest
 from planar_runs import at_every_step, trajectory
 from scipy.stats import kstest
-
-import multilift as ml
 
 STEP = 0.001  # s
 NOISE = {  # standard deviation and the channels of [q, q_dot] that it blurs

@@ -11,7 +11,7 @@ RUN = ml.simulate(ml.load("sim1").with_values({"simulation.duration": 0.1}))
 
 
 def listing(folder):
-    return sorted(os.listdir(folder))
+    return sorted(entry.name for entry in folder.iterdir())
 
 
 def test_an_existing_result_needs_force(tmp_path):

@@ -3,15 +3,20 @@
 Run by Sphinx, it writes ``docs/generated/``; the pages include what it writes.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from multilift import quantities, schema
 from multilift.quantities import Quantity
 from multilift.schema import Field, Table
-from sphinx.application import Sphinx
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 NBSP = "\N{NO-BREAK SPACE}"
 TABLES = (

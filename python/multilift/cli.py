@@ -1,4 +1,4 @@
-"""The command line: ``multilift run | reproduce | check | scenarios | bench``."""
+"""The command line: ``multilift run | study | reproduce | check | scenarios | bench``."""
 
 from __future__ import annotations
 
@@ -101,6 +101,90 @@ def run(
     if not result.finished:
         _err.print(f"[bold yellow]ended early:[/] {result.ending}")
         raise typer.Exit(EXIT_ENDED_EARLY)
+
+
+@app.command(
+    epilog="Examples:  multilift study robustness_sim1 -o out/robust  |  multilift study my.toml "
+    "-o out/mine --count 100000  |  multilift study my.toml -o out/mine --engine ray  |  "
+    "multilift study --list. After an interruption, of whatever kind, the same command goes on."
+)
+def study(  # noqa: PLR0917 - typer takes what the command line has
+    file: Annotated[
+        str | None,
+        typer.Argument(help="A study file, or the name of a shipped one.", metavar="STUDY"),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for rows, summary and report.")
+    ] = None,
+    engine: Annotated[
+        str, typer.Option(help="local: all threads of this machine; ray: a Ray cluster.")
+    ] = "local",
+    threads: Annotated[
+        int | None, typer.Option(min=1, help="Threads; with ray, processors a task (then 1).")
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Draws for each cell, instead of the file's.")
+    ] = None,
+    chunk: Annotated[
+        int | None, typer.Option(min=1, help="Worlds a part, the most that a kill can cost: 8192.")
+    ] = None,
+    force: ForceOption = False,
+    shipped: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False,
+    show: Annotated[
+        str | None, typer.Option("--show", help="Print one shipped study's file.")
+    ] = None,
+) -> None:
+    """Simulate many worlds of a scenario under one or more laws: rows, summary, report.html."""
+    if show is not None:
+        sys.stdout.write(library.find_study(show).read_text(encoding="utf-8"))
+        return
+    from multilift import study as job  # noqa: PLC0415 - the shorter start for other commands
+
+    if shipped:
+        _list_studies(job)
+        return
+    if file is None or output is None:
+        missing = "argument 'STUDY'" if file is None else "option '--output' / '-o'"
+        raise typer.BadParameter(f"Missing {missing}, or --list.")
+    plan = job.load(file, count=count)
+    from multilift.study import run as runner  # noqa: PLC0415 - loads the plotting packages
+
+    result = runner.run(plan, output, engine=engine, threads=threads, chunk=chunk, force=force,
+                        console=_err)  # fmt: skip
+    _print_study(result, local=engine == "local")
+
+
+def _list_studies(job: Any) -> None:
+    table = Table("name", "worlds", "laws", "title", box=None, header_style="bold")
+    for path in library.studies():
+        plan = job.load(path)
+        table.add_row(plan.name, f"{plan.worlds:,}", str(len(plan.controllers)), plan.title)
+    _out.print(table)
+    _out.print("\nStart your own:  multilift study --show robustness_sim1 > my_study.toml")
+
+
+def _print_study(result: Any, *, local: bool) -> None:
+    summary, cost = result.summary, result.cost
+    table = Table("law", "success", "95 % interval", "worlds", "ended early", box=None,
+                  header_style="bold")  # fmt: skip
+    for law in summary.laws:
+        rate = law.success
+        table.add_row(law.law, f"{100 * rate.estimate:.2f} %",
+                      f"{100 * rate.low:.2f} to {100 * rate.high:.2f} %" if summary.study.sampled
+                      else "-", f"{summary.study.worlds:,}",
+                      f"{summary.study.worlds - law.outcomes['finished']:,}")  # fmt: skip
+    _out.print(table, highlight=False)
+    if cost.runs:
+        outside = f"{100 * cost.outside:.1f} % of the time outside the batch engine; " * local
+        _out.print(
+            f"\n{cost.runs:,} runs ({cost.simulated_seconds:,.4g} simulated s) in "
+            f"{cost.wall_seconds:.1f} s: {cost.rate:,.4g} simulated seconds a second; {outside}a "
+            f"million such runs take {cost.wall_seconds / cost.runs * 1e6 / 3600:,.3g} h at this "
+            "rate",
+            highlight=False,
+            soft_wrap=True,
+        )
+    _out.print(f"Report: [bold]{result.report}[/]", soft_wrap=True)
 
 
 @app.command(

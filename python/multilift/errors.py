@@ -5,9 +5,15 @@ Each message names what was wrong where, what is permitted and what to do about 
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class MultiliftError(Exception):
     """Base of every error that multilift raises on purpose; the command line exits with 2."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Errors travel between processes as they are, whatever their constructors take."""
+        return _rebuilt, (type(self), self.args, self.__dict__)
 
 
 class ScenarioError(MultiliftError, ValueError):
@@ -55,3 +61,10 @@ class MissingExtraError(MultiliftError, ImportError):
             f"{purpose} needs the package {package}, which is not installed.\n"
             f"  what to do: pip install 'multilift[{extra}]'"
         )
+
+
+def _rebuilt(kind: type[MultiliftError], args: Any, attributes: Any) -> MultiliftError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(attributes)
+    return error

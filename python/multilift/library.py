@@ -1,4 +1,4 @@
-"""The scenarios that multilift ships."""
+"""The scenarios and studies that multilift ships."""
 
 from __future__ import annotations
 
@@ -9,15 +9,20 @@ from multilift.errors import ScenarioError
 _PACKAGE = Path(__file__).resolve().parent
 
 
-def folder() -> Path:
-    """Where the shipped scenario files lie: in the package, or in the checkout beside it."""
-    installed = _PACKAGE / "scenarios"
-    return installed if installed.is_dir() else _PACKAGE.parents[1] / "scenarios"
+def folder(kind: str = "scenarios") -> Path:
+    """Where the shipped files lie: in the package, or in the checkout beside it."""
+    installed = _PACKAGE / kind
+    return installed if installed.is_dir() else _PACKAGE.parents[1] / kind
 
 
 def files() -> list[Path]:
     """The shipped scenario files, by name."""
     return sorted(folder().glob("*.toml"))
+
+
+def studies() -> list[Path]:
+    """The shipped study files, by name."""
+    return sorted(folder("studies").glob("*.toml"))
 
 
 def find(path: str | Path) -> Path:
@@ -26,15 +31,28 @@ def find(path: str | Path) -> Path:
     Raises:
         ScenarioError: if there is neither.
     """
+    return _find(path, files(), "'multilift scenarios' lists what is shipped")
+
+
+def find_study(path: str | Path) -> Path:
+    """The file at `path`, or the shipped study of that name.
+
+    Raises:
+        ScenarioError: if there is neither.
+    """
+    return _find(path, studies(), "'multilift study --list' lists what is shipped")
+
+
+def _find(path: str | Path, shipped_files: list[Path], advice: str) -> Path:
     file = Path(path)
     if file.is_file():
         return file
-    shipped = {f.stem: f for f in files()}
+    shipped = {f.stem: f for f in shipped_files}
     if str(path) in shipped:
         return shipped[str(path)]
     raise ScenarioError(
         "is a folder, not a file" if file.is_dir() else "does not exist",
         where=str(path),
         permitted="a TOML file, or a shipped name: " + ", ".join(shipped),
-        advice="'multilift scenarios' lists what is shipped",
+        advice=advice,
     )

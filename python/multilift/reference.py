@@ -7,6 +7,7 @@ with error control instead of fixed Runge-Kutta steps, started afresh wherever t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -99,8 +100,8 @@ def solve(
                 rate, begin, x[k + 1], end, first_step=end - begin, rtol=rtol, atol=atol
             )
             x[k + 1] = _finish(solver)
-    drift = [np.hypot(*_core.planar_closure(plant, q)) for q in x[:, :7].tolist()]
-    return ReferenceRun(t, x[:, :7], x[:, 7:], u, d_hat, float(max(drift)))
+    drift = [math.hypot(*_core.planar_closure(plant, q)) for q in x[:, :7].tolist()]
+    return ReferenceRun(t, x[:, :7], x[:, 7:], u, d_hat, max(drift))
 
 
 def _rate(

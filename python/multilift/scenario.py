@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from multilift import geometry, linear, schema, validation
+from multilift import geometry, keys, linear, schema, validation
 from multilift.errors import ScenarioError
 from multilift.geometry import Vector
 
@@ -72,13 +72,8 @@ class Scenario:
         )
 
     def __getitem__(self, key: str) -> Any:
-        """A value by its dotted key, such as ``scenario["controller.k_lambda"]``."""
-        node: Any = self.values
-        for part in key.split("."):
-            if not isinstance(node, dict) or part not in node:
-                raise KeyError(key)
-            node = node[part]
-        return node
+        """A value by its dotted key: ``scenario["controller.k_lambda"]``, ``["push[0].start"]``."""
+        return keys.look_up(self.values, key)
 
     def __repr__(self) -> str:
         return f"Scenario({self.name!r}, law={self.law!r}, from {self.where})"
@@ -87,20 +82,29 @@ class Scenario:
         """A new scenario with some dotted keys changed, checked again.
 
         Args:
-            values: such as ``{"controller.k_lambda": 0.8, "plant.bar_mass": "600 g"}``.
+            values: such as ``{"controller.k_lambda": 0.8, "plant.bar_mass": "600 g"}``; one place
+                of an array by its indices, ``{"controller.k_d[0][1]": 5.0}``. Keys without
+                indices are set first.
 
         Raises:
             ScenarioError: as for a file.
         """
         raw = deepcopy(self._raw)
-        for key, value in values.items():
+        plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
+        for key, value in plain.items():
+            if keys.has_index(key):
+                continue
             *tables, last = key.split(".")
             node = raw
             for part in tables:
                 node = node.setdefault(part, {})
                 if not isinstance(node, dict):
                     raise schema.unknown_key(self.where, key, value, sorted(self.values))
-            node[last] = value.tolist() if isinstance(value, np.ndarray) else value
+            node[last] = value
+        for key, value in plain.items():
+            if keys.has_index(key):
+                complete = validation.normalise(raw, self.where)
+                keys.put(raw, complete, key, value, self.where)
         return Scenario(raw, self.where)
 
     def with_law(self, law: str) -> Scenario:
@@ -115,6 +119,10 @@ class Scenario:
         raw["controller"] = {k: v for k, v in raw["controller"].items() if k in known}
         raw["controller"]["law"] = law
         return Scenario(raw, self.where)
+
+    def raw(self) -> dict[str, Any]:
+        """The tables as the file and later changes give them, without defaults."""
+        return deepcopy(self._raw)
 
     def to_toml(self) -> str:
         """The complete scenario, defaults included, as a file that loads to the same one."""

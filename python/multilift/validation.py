@@ -193,17 +193,18 @@ def check_timing(values: dict[str, Any], where: str) -> None:
     sample = multiple("sensors.period", values["sensors"]["period"], True) or control
     lag = multiple("sensors.delay", values["sensors"]["delay"], True)
     capacity = _core.planar_delay_capacity - 2
-    for key, steps, every in (
-        ("actuators.command_delay", delay, control),
-        ("sensors.delay", lag, sample),
+    # Commands arrive at every step, measurements are fetched at control instants only.
+    for key, steps, wait, every in (
+        ("actuators.command_delay", delay, 0, control),
+        ("sensors.delay", lag, control, sample),
     ):
-        if steps > capacity * every:
+        if steps + wait > capacity * every:
             raise ScenarioError(
                 "keeps too many values under way",
                 where=where,
                 key=key,
                 value=steps * step,
-                permitted=f"at most {capacity * every * step:g} s at this rate",
+                permitted=f"at most {(capacity * every - wait) * step:g} s at these rates",
             )
     seed = values["simulation"]["seed"]
     if seed != int(seed) or seed >= 2**53:

@@ -95,11 +95,14 @@ P unpack(const Rows& rows, std::size_t& column) {
   return parameters;
 }
 
-/// The same from consecutive numbers of one world.
-template <class P>
-P unpack(const double* values) {
-  std::size_t column = 0;
-  return unpack<P>(Rows{values, 0}, column);
+/// The same from count_scalars<P>() consecutive numbers, the struct's own or doubles.
+template <class P, class Number>
+P unpack(const Number* values) {
+  P parameters;
+  P::visit(parameters, [&](const Field&, auto& member) {
+    for_each_scalar(member, [&](auto& scalar) { scalar = *values++; });
+  });
+  return parameters;
 }
 
 }  // namespace multilift

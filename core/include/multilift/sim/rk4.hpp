@@ -1,6 +1,8 @@
 // The classical Runge-Kutta step of order 4, for a rate that depends on time through its stages.
 #pragma once
 
+#include "multilift/scalar/real.hpp"
+
 namespace multilift {
 
 /// The three instants of a step at which a rate is evaluated.

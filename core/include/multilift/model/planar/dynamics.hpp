@@ -2,7 +2,8 @@
 //
 // Each cable's length is constant, so its tension is affine in the bar's acceleration. Inserted
 // into the bar's Newton and Euler equations, one symmetric positive definite 3x3 system in the
-// bar's acceleration remains, regular for a bar without rotational inertia too. Equivalent to
+// bar's acceleration remains, regular for a bar without rotational inertia too unless both cables'
+// lines pass through its centre of mass, where nothing would say how it turns. Equivalent to
 // (7)-(13) closed by c(q) = 0; redundant.hpp states that form, and tests hold the two together.
 #pragma once
 

@@ -1,6 +1,8 @@
 // The columns of a recorded trajectory: name, unit, meaning and value of each in one place.
 #pragma once
 
+#include <tuple>
+
 #include "multilift/sim/planar/metrics.hpp"
 
 namespace multilift::planar {

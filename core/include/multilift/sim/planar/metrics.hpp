@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "multilift/control/planar/measurement.hpp"
 #include "multilift/model/planar/energy.hpp"
 
 namespace multilift::planar {

@@ -1,6 +1,7 @@
 // One planar run: plant, law, actuators and sensors stepped together at a fixed step.
 #pragma once
 
+#include <tuple>
 #include <utility>
 
 #include "multilift/sim/planar/audit.hpp"
