@@ -54,8 +54,10 @@ class Gradient:
     Attributes:
         scenario: what was differentiated, under the law it flew.
         keys: along what, in order.
-        status, culprit, end_time: how the run ended, as of a single run. A run that ended early is
-            differentiated with its end held at that time.
+        status: how the run ended, as of a single run.
+        culprit: index of the slack cable or of the angle at its limit; -1 for none.
+        end_time: when it ended, s. A run that ended early is differentiated with its end held at
+            that time.
         values: the run's own numbers by name: the final state by ``FINAL_STATE``, the metrics, and
             ``audit.<entry>``. To the last bit those of ``simulate``, but for keys of ``actuators``
             where these are ideal: then they are simulated, which rounds otherwise.
