@@ -3,48 +3,26 @@
 // This file is compiled once for each instruction set, each time as an extension module of its own,
 // so that no inline function of one can stand in for another's. The arithmetic is the same in all
 // of them, and so are the bits of the results.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
-#include "multilift/multilift.hpp"
+#include "planar_rows.hpp"
 
 namespace multilift::bindings {
 
 namespace {
 
-namespace nb = nanobind;
-using planar::Body;
 using planar::Push;
 using planar::State;
 using planar::Timing;
 
 using R = Lanes<MULTILIFT_LANES>;
 
-template <class T>
-using Array1 = nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <class T>
-using Array2 = nb::ndarray<T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-/// What worlds of one batch share about a push; force, torque and times are each world's own.
-struct PushShapes {
-  Body body;
-  PushShape shape;
-  std::vector<double> sample_times, sample_values;
-};
-
 /// The problem and where its results go; every array is the caller's.
 struct Job {
-  // Row k: plant | assumed plant | gains | actuators | sensors | free coordinates (10) | goal (4) |
-  // for each push: force (2), torque, start, duration, frequency.
   const double* rows;
   std::size_t columns;
   const std::uint64_t* seeds;
@@ -78,23 +56,10 @@ class Kernel {
     const auto actuator_parameters = unpack<planar::ActuatorParameters<R>>(rows, column);
     const auto sensor_parameters = unpack<planar::SensorParameters<R>>(rows, column);
     const auto next = [&] { return rows.at<R>(column++); };
-    State<R> start;
-    start.bar = {next(), next()};
-    for (R& x : start.theta) x = next();
-    start.bar_velocity = {next(), next()};
-    for (R& x : start.theta_dot) x = next();
+    const State<R> start = start_from(next);
     planar::PerAxis<R> goal;
     for (Vec2<R>& g : goal) g = {next(), next()};
-    std::vector<Push<R>> pushes;
-    for (const PushShapes& shapes : job_.pushes) {
-      Push<R> push{shapes.body, {}, R(0.0), {}};
-      push.force = {next(), next()};
-      push.torque = next();
-      const R begin = next(), duration = next(), frequency = next();
-      push.profile = {shapes.shape,        begin, duration, frequency, shapes.sample_times,
-                      shapes.sample_values};
-      pushes.push_back(std::move(push));
-    }
+    const std::vector<Push<R>> pushes = pushes_from(job_.pushes, next);
 
     Law law(gains, assumed, goal, job_.timing.control_period());
     std::array<std::size_t, MULTILIFT_LANES> recorded{};
@@ -197,21 +162,6 @@ void run_blocks(std::size_t worlds, unsigned threads, const nb::object& progress
   stop();
 }
 
-Body body_from(const std::string& name) {
-  if (name == "vehicle_1") return Body::vehicle_1;
-  if (name == "vehicle_2") return Body::vehicle_2;
-  return Body::bar;
-}
-
-PushShape shape_from(const std::string& name) {
-  if (name == "half_sine") return PushShape::half_sine;
-  if (name == "sine") return PushShape::sine;
-  if (name == "samples") return PushShape::samples;
-  return PushShape::pulse;
-}
-
-using PushTuple = std::tuple<std::string, std::string, std::vector<double>, std::vector<double>>;
-
 void run(const std::string& law, const Array2<const double>& rows,
          const Array1<const std::uint64_t>& seeds, const std::vector<PushTuple>& pushes,
          double step, long steps, long control_steps, long record_steps, bool ideal,
@@ -223,7 +173,7 @@ void run(const std::string& law, const Array2<const double>& rows,
           rows.shape(1),
           seeds.data(),
           rows.shape(0),
-          {},
+          shapes_from(pushes),
           {step, steps, control_steps, record_steps},
           ideal,
           metrics.data(),
@@ -237,8 +187,6 @@ void run(const std::string& law, const Array2<const double>& rows,
           audit.shape(1),
           0,
           0};
-  for (const auto& [body, shape, times, values] : pushes)
-    job.pushes.push_back({body_from(body), shape_from(shape), times, values});
   if (!samples.is_none()) {
     const auto array =
         nb::cast<nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>>(samples);
@@ -250,13 +198,7 @@ void run(const std::string& law, const Array2<const double>& rows,
   planar::for_each_law<R>([&]<class Law>() {
     if (law != Law::name) return;
     known = true;
-    const std::size_t expected =
-        2 * count_scalars<planar::Parameters<R>>() + count_scalars<typename Law::Gains>() +
-        count_scalars<planar::ActuatorParameters<R>>() +
-        count_scalars<planar::SensorParameters<R>>() + 14 + 6 * job.pushes.size();
-    if (job.columns != expected)
-      throw std::invalid_argument("a world takes " + std::to_string(expected) + " numbers, got " +
-                                  std::to_string(job.columns));
+    check_columns<typename Law::Gains>(job.columns, job.pushes.size());
     const Kernel<Law> kernel(job);
     run_blocks(job.worlds, threads, progress, [&](std::size_t first) { kernel.run(first); });
   });
@@ -265,9 +207,7 @@ void run(const std::string& law, const Array2<const double>& rows,
 
 }  // namespace
 
-NB_MODULE(MULTILIFT_BATCH_MODULE, m) {
-  m.doc() = "Compiled batch kernel of multilift for one instruction set. Use multilift.batch.";
-  m.attr("lanes") = MULTILIFT_LANES;
+void bind_planar_batch(nb::module_& m) {
   m.def("run", &run, nb::arg("law"), nb::arg("rows"), nb::arg("seeds"), nb::arg("pushes"),
         nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"), nb::arg("record_steps"),
         nb::arg("ideal"), nb::arg("metrics"), nb::arg("audit"), nb::arg("final_state"),

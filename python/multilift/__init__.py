@@ -19,15 +19,18 @@ from multilift.errors import (
     OutputError,
     ScenarioError,
 )
+from multilift.gradient import Gradient, gradient
 from multilift.run import Run
 from multilift.scenario import Scenario, load
 from multilift.simulate import simulate
+from multilift.worlds import Worlds
 
 __version__ = version("multilift")
 
 __all__ = [
     "Batch",
     "ControllerError",
+    "Gradient",
     "Measurement",
     "MissingExtraError",
     "MultiliftError",
@@ -35,7 +38,9 @@ __all__ = [
     "Run",
     "Scenario",
     "ScenarioError",
+    "Worlds",
     "__version__",
+    "gradient",
     "load",
     "simulate",
     "simulate_batch",

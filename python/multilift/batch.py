@@ -141,7 +141,7 @@ def simulate_batch(
         )
     if controller is not None and controller != scenario.law:
         scenario = scenario.with_law(controller)
-    columns = Columns(scenario, _as_mapping(overrides), count)
+    columns = Columns(scenario, as_mapping(overrides), count)
     kernel = instruction_sets.kernel(isa)
     groups = _timing_groups(columns)
     rows = max(_steps(t)["rows"] for t, _ in groups) if trajectories else None
@@ -160,7 +160,8 @@ def _add(progress: Callable[[int], None], before: int, done: int) -> None:
     progress(before + done)
 
 
-def _as_mapping(overrides: Any) -> Mapping[str, ArrayLike] | None:
+def as_mapping(overrides: Any) -> Mapping[str, ArrayLike] | None:
+    """Overrides as a mapping, where a DataFrame may be given."""
     if overrides is None or isinstance(overrides, Mapping):
         return overrides
     return {str(name): overrides[name].to_numpy() for name in overrides.columns}
@@ -213,15 +214,12 @@ def _run(
         law=scenario.law,
         rows=rows,
         seeds=seeds,
-        pushes=[
-            (p["body"], p["shape"], p["sample_times"] or [], p["sample_values"] or [])
-            for p in scenario.values["push"]
-        ],
+        pushes=push_shapes(scenario),
         step=timing["simulation.step"],
         steps=steps["steps"],
         control_steps=steps["control"],
         record_steps=steps["record"],
-        ideal=_is_ideal(columns),
+        ideal=is_ideal(columns),
         metrics=part._metrics,
         audit=part._audit,
         final_state=part.final_state,
@@ -238,7 +236,16 @@ def _run(
         batch.samples[worlds, : part.samples.shape[1]] = part.samples
 
 
-def _is_ideal(columns: Columns) -> bool:
+def push_shapes(scenario: Scenario) -> list[tuple[str, str, list[float], list[float]]]:
+    """Of each push what all worlds share: body, shape, sample times and values."""
+    return [
+        (p["body"], p["shape"], p["sample_times"] or [], p["sample_values"] or [])
+        for p in scenario.values["push"]
+    ]
+
+
+def is_ideal(columns: Columns) -> bool:
+    """Whether no world's actuators and sensors have any imperfection."""
     return columns.scenario.is_ideal() and not any(
         columns.is_own(f"{t.name}.{f.name}")
         for t in (schema.ACTUATORS, schema.SENSORS)

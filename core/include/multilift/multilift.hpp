@@ -10,3 +10,4 @@
 #include "multilift/sim/planar/actuators.hpp"
 #include "multilift/sim/planar/rollout.hpp"
 #include "multilift/sim/planar/sensors.hpp"
+#include "multilift/sim/planar/stepping.hpp"

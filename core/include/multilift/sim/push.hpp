@@ -26,13 +26,13 @@ struct PushProfile {
   /// The height at a stage of an integration step. At the profile's two edges a step that starts
   /// there sees what follows and a step that ends there what went before, so that an edge on the
   /// step grid costs the integrator no order.
-  R at(double time, Stage stage) const {
+  R at(const R& time, Stage stage) const {
     constexpr double rounding = 1e-9;  // s: what time, a multiple of the step, may be off by
     const double bias = stage == Stage::start ? rounding : stage == Stage::end ? -rounding : 0.0;
     const bool sampled = shape == PushShape::samples;
     const R first = sampled ? max(R(0.0), R(sample_times.front())) : R(0.0);
     const R last = sampled ? min(duration, R(sample_times.back())) : duration;
-    const R since = R(time) - start;
+    const R since = time - start;
     const auto active = (first <= since + R(bias)) & (since + R(bias) < last);
     if (!any(active)) return R(0.0);
     return select(active, height(clamp(since, first, last)), R(0.0));

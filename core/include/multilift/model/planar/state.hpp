@@ -75,6 +75,22 @@ struct State {
   }
 };
 
+/// World by world one of two states.
+template <Real R>
+MULTILIFT_INLINE State<R> select_state(const mask_t<R>& mask, const State<R>& a,
+                                       const State<R>& b) {
+  State<R> chosen{{select(mask, a.bar.y, b.bar.y), select(mask, a.bar.z, b.bar.z)},
+                  {},
+                  {select(mask, a.bar_velocity.y, b.bar_velocity.y),
+                   select(mask, a.bar_velocity.z, b.bar_velocity.z)},
+                  {}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    chosen.theta[k] = select(mask, a.theta[k], b.theta[k]);
+    chosen.theta_dot[k] = select(mask, a.theta_dot[k], b.theta_dot[k]);
+  }
+  return chosen;
+}
+
 /// One cable as seen from the bar's end it holds.
 template <Real R>
 struct Cable {

@@ -26,17 +26,23 @@ class Audit {
     largest_error_ = max(largest_error_, abs(error_));
   }
 
+  /// Calls v(Field, x) for each entry, J, x with its derivatives where R has them.
+  template <class V>
+  void visit(V&& v) const {
+    v(Field{"storage_start", "J", Range::any, "storage function (49) at the start"}, start_);
+    v(Field{"storage_end", "J", Range::any, "storage function (49) at the end"}, end_);
+    Powers<R>::visit(work_, v);
+    v(Field{"integration_error", "J", Range::any,
+            "change of the storage function less the entries above"},
+      error_);
+    v(Field{"largest_integration_error", "J", Range::any, "its greatest size during the run"},
+      largest_error_);
+  }
+
   /// Calls v(Field, value) for each entry, J.
   template <class V>
   void report(V&& v) const {
-    v(Field{"storage_start", "J", Range::any, "storage function (49) at the start"}, value(start_));
-    v(Field{"storage_end", "J", Range::any, "storage function (49) at the end"}, value(end_));
-    Powers<R>::visit(work_, [&](const Field& field, const R& work) { v(field, value(work)); });
-    v(Field{"integration_error", "J", Range::any,
-            "change of the storage function less the entries above"},
-      value(error_));
-    v(Field{"largest_integration_error", "J", Range::any, "its greatest size during the run"},
-      value(largest_error_));
+    visit([&](const Field& field, const R& x) { v(field, value(x)); });
   }
 
   /// World k's audit on its own.

@@ -1,6 +1,7 @@
 // The pushes of a scenario, summed over what they act on.
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "multilift/model/planar/dynamics.hpp"
@@ -19,9 +20,10 @@ struct Push {
   PushProfile<R> profile;
 };
 
-/// The loads at a stage of a step: the applied command and every push.
+/// The loads at a stage of a step: the applied command and every push. Worlds may differ in time.
 template <Real R>
-MULTILIFT_INLINE Loads<R> loads_at(double time, Stage stage, const std::array<Vec2<R>, 2>& applied,
+MULTILIFT_INLINE Loads<R> loads_at(const std::type_identity_t<R>& time, Stage stage,
+                                   const std::array<Vec2<R>, 2>& applied,
                                    const std::vector<Push<R>>& pushes) {
   Loads<R> loads{applied, {}, {}, R(0.0)};
   for (const Push<R>& push : pushes) {

@@ -68,36 +68,42 @@ class Metrics {
     last_time_ = now.time;
   }
 
-  /// Calls v(Field, value) for each metric; a settling time is NaN where the run ended unsettled.
+  /// Calls v(Field, x) for each metric, x with its derivatives where R has them; a settling time is
+  /// NaN where the run ended unsettled, and has none.
   template <class V>
-  void report(V&& v) const {
-    constexpr double degree = std::numbers::pi / 180.0;
+  void visit(V&& v) const {
+    const R degree(std::numbers::pi / 180.0);
     const char* peak_names[] = {"peak_swing_1", "peak_swing_2", "peak_swing_3"};
     const char* peak_docs[] = {"greatest |theta1|", "greatest |theta2|", "greatest |theta3|"};
     for (std::size_t k = 0; k < 3; ++k)
-      v(Field{peak_names[k], "deg", Range::any, peak_docs[k]}, value(peak_swing_[k]) / degree);
+      v(Field{peak_names[k], "deg", Range::any, peak_docs[k]}, peak_swing_[k] / degree);
     v(Field{"swing_settling_time", "s", Range::any,
             "last time |theta1| or |theta2| exceeds 1 degree; 0 if never, empty if still at the "
             "end"},
-      settled(last_swing_));
+      R(settled(last_swing_)));
     v(Field{"position_settling_time", "s", Range::any,
             "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end"},
-      settled(last_far_));
+      R(settled(last_far_)));
     v(Field{"overshoot", "m", Range::any,
             "greatest travel past the goal, over vehicles and the axes along which they move"},
-      value(overshoot_));
+      overshoot_);
     v(Field{"swing_integral", "deg s", Range::any, "integral of |theta1| + |theta2|"},
-      value(swing_integral_) / degree);
-    v(Field{"control_effort", "N^2 s", Range::any, "integral of |u|^2, u as commanded"},
-      value(effort_));
+      swing_integral_ / degree);
+    v(Field{"control_effort", "N^2 s", Range::any, "integral of |u|^2, u as commanded"}, effort_);
     v(Field{"peak_thrust", "N", Range::any, "greatest thrust of a vehicle"},
-      std::sqrt(value(peak_thrust_squared_)));
+      sqrt(peak_thrust_squared_));
     v(Field{"peak_tilt", "deg", Range::any, "greatest |phi| of a vehicle"},
-      std::atan(value(peak_slope_)) / degree);
-    v(Field{"min_tension", "N", Range::any, "least tension of a cable"}, value(min_tension_));
+      atan(peak_slope_) / degree);
+    v(Field{"min_tension", "N", Range::any, "least tension of a cable"}, min_tension_);
     v(Field{"storage_rise", "J", Range::any,
             "greatest rise of the storage function (49) above its least value so far"},
-      value(storage_rise_));
+      storage_rise_);
+  }
+
+  /// Calls v(Field, value) for each metric.
+  template <class V>
+  void report(V&& v) const {
+    visit([&](const Field& field, const R& x) { v(field, value(x)); });
   }
 
   /// World k's metrics on their own.
