@@ -120,29 +120,37 @@ def test_limits_bound_thrust_and_tilt_each_on_its_own():
         return (8.0 * np.sin(angle), 8.0 * np.cos(angle), 0.5, 0.5)
 
     run = ml.simulate(with_actuators(duration=1.0, **limits), wide)
-    asked, given = (
-        {key.removesuffix("_applied"): x for key, x in run.thrust_attitude().items()
-         if key.endswith("_applied") == flag}
-        for flag in (False, True)
-    )  # fmt: skip
+    flown = run.thrust_attitude()
+    plant = run.scenario.plant
+    cut = []
     for i in (1, 2):
+        up = run[f"u{2 * i}"] + (plant.vehicle_mass[i - 1] + plant.bar_mass / 2) * plant.gravity
+        # The vertical part is kept and the sideways part cut to the cone of the greatest tilt.
+        side = np.clip(run[f"u{2 * i - 1}"], -np.tan(0.2) * up, np.tan(0.2) * up)
+        thrust = np.clip(np.hypot(side, up), 15.0, 25.0)
+        np.testing.assert_allclose(flown[f"thrust{i}_applied"], thrust, rtol=1e-13)
         np.testing.assert_allclose(
-            given[f"thrust{i}"], np.clip(asked[f"thrust{i}"], 15.0, 25.0), rtol=1e-13
+            flown[f"attitude{i}_applied"], np.arctan2(side, up), rtol=0, atol=1e-14
         )
-        np.testing.assert_allclose(
-            given[f"attitude{i}"], np.clip(asked[f"attitude{i}"], -0.2, 0.2), rtol=0, atol=1e-14
-        )
+        cut.append((side != run[f"u{2 * i - 1}"]) | (np.abs(thrust - np.hypot(side, up)) > 1e-12))
     # The law learns at each instant whether its last command was cut.
-    cut = [
-        (np.abs(given[f"{name}{i}"] - asked[f"{name}{i}"]) > 1e-12)
-        for i in (1, 2)
-        for name in ("thrust", "attitude")
-    ]
-    expected = np.stack([cut[0] | cut[1], cut[2] | cut[3]], axis=1)
+    expected = np.stack(cut, axis=1)
     np.testing.assert_array_equal(np.array(seen)[1:], expected[:-1])
     assert seen[0] == (False, False)
     assert 0 < expected[:, 0].mean() < 1
     assert not expected[:, 1].any()
+
+
+def test_rotors_do_not_pull_down_and_nothing_turns_sideways_for_it():
+    """A command below minus the gravity share asks for no thrust, not for thrust to the side."""
+
+    def dive(m):
+        return (1e-9, -80.0, -1e-9, -80.0)
+
+    run = ml.simulate(with_actuators(duration=0.3, thrust_max=100.0, tilt_max=0.5), dive)
+    for i in (1, 2):
+        assert run[f"u{2 * i - 1}_applied"] == pytest.approx(0.0, abs=1e-12)
+        assert run.thrust_attitude()[f"thrust{i}_applied"] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["sim1", "sim2"])

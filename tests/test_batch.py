@@ -200,6 +200,40 @@ def test_wrong_overrides_name_key_and_world(overrides, words):
         ml.simulate_batch(IDEAL, overrides)
 
 
+def test_an_imperfection_of_size_zero_is_none_even_beside_others():
+    delay = np.array([0.0, 0.02, 0.0])
+    batch = ml.simulate_batch(IDEAL, {"actuators.command_delay": delay})
+    for k in range(3):
+        run = ml.simulate(IDEAL.with_values({"actuators.command_delay": delay[k]}))
+        assert run.metrics["peak_swing_3"] == batch.metrics["peak_swing_3"][k]
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"actuators.command_delay": [0.0, 0.9]},
+        {"actuators.command_delay": [0.0, 0.0005]},
+        {"sensors.delay": [0.0, 0.9]},
+        {"actuators.tilt_max": [1.0, 3.0]},
+        {"actuators.thrust_max": [100.0, 1.0]},
+        {"simulation.seed": [1.0, 1.5]},
+        {"simulation.seed": [1.0, 1e17]},
+    ],
+)
+def test_a_world_that_would_be_refused_alone_is_refused_in_company(overrides):
+    with pytest.raises(ml.ScenarioError, match="world 1"):
+        ml.simulate_batch(IDEAL, overrides)
+    key, (_, bad) = next(iter(overrides.items()))
+    with pytest.raises(ml.ScenarioError):
+        IDEAL.with_values({key: bad})
+
+
+@pytest.mark.parametrize("arguments", [{"threads": -1}, {"threads": 1.5}, {"count": 2.5}])
+def test_wrong_arguments(arguments):
+    with pytest.raises(ml.MultiliftError):
+        ml.simulate_batch(IDEAL, **{"count": 2, **arguments})
+
+
 def test_laws_of_ones_own_are_pointed_elsewhere():
     with pytest.raises(ml.ControllerError, match="compiled"):
         ml.simulate_batch(IDEAL, count=2, controller="mine.py:Law")

@@ -75,6 +75,34 @@ def test_bad_input_exits_with_2_and_one_message(tmp_path, arguments, words):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["check", "empty.toml"], "[plant]"),
+        (["run", "sim1", "--set", "push=3"], "[[push]]"),
+        (["run", "sim1", "--set", "controller.law=[red]"], "[red]"),
+        (["run", "[/bold]x.toml"], "[/bold]x.toml"),
+        (["run", "sim1", "--set", "simulation.step=1e-320"], "simulation.step"),
+        (["run", "sim1", "--set", "simulation.duration=1e300"], "simulation.duration"),
+        (["run", "sim1", "--set", "plant.bar_mass=" + "9" * 400], "too large"),
+        (["run", "sim1", "--set", "plant.bar_mass=1e308"], "plant"),
+        (["run", "sim1", "-o", "x" * 300], "cannot be"),
+    ],
+)
+def test_messages_say_what_they_mean_to_the_letter(tmp_path, arguments, words):
+    (tmp_path / "empty.toml").write_text("schema = 1\n")
+    result = multilift(*arguments, cwd=tmp_path)
+    assert "Traceback" not in result.stderr
+    assert result.returncode == 2
+    assert words in result.stderr
+
+
+def test_titles_are_no_markup(tmp_path):
+    result = multilift("run", "sim1", "--set", "title=[/]", "--set", "simulation.duration=0.1")
+    assert result.returncode == 0, result.stderr
+    assert "[/]" in result.stdout
+
+
 def test_check_reports_every_wrong_file(tmp_path):
     for k in (1, 2):
         (tmp_path / f"bad{k}.toml").write_text(f"schema = 1\nunknown{k} = 1\n")

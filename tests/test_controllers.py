@@ -117,6 +117,22 @@ def test_a_law_that_is_not_there(reference, words):
         ml.simulate(SHORT, reference)
 
 
+def test_a_law_from_a_file_may_use_dataclasses_and_cannot_move_the_goal(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from __future__ import annotations\n"
+        "from dataclasses import dataclass\n"
+        "@dataclass\n"
+        "class Gains:\n"
+        "    k: float = 6.0\n"
+        "def law(m):\n"
+        "    m.goal[:] += 1.0\n"
+        "    return [0.0] * 4\n"
+    )
+    with pytest.raises(ml.ControllerError, match="read-only"):
+        ml.simulate(SHORT, f"{file}:law")
+
+
 def test_a_file_without_the_law_or_that_fails(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text("x = 1\n")

@@ -24,7 +24,9 @@ SPECIAL = {
 
 
 def last_time(run, outside):
-    """When `outside` last held; 0 if never, NaN if it still does at the end."""
+    """When `outside` last held; 0 if never, NaN if it still does at the end or the end came early."""
+    if not run.finished:
+        return np.nan
     if not outside.any():
         return 0.0
     return np.nan if outside[-1] else run.t[np.flatnonzero(outside)[-1]]
@@ -34,7 +36,7 @@ def by_definition(run):
     """Every metric, from the columns of a run with a row for each step."""
     theta = np.degrees(coordinates(run)[:, 4:])
     vehicles = coordinates(run)[:, :4].reshape(-1, 2, 2)
-    goal, start = run.scenario.goal.vehicle_position, vehicles[0]
+    goal, start = run.scenario.goal.vehicle_position, run.scenario.start.vehicle_position
     towards = np.sign(goal - start)
     swing = np.abs(theta[:, :2])
     thrust = run.thrust_attitude()

@@ -95,6 +95,50 @@ def test_a_law_of_ones_own_has_no_estimate_columns(tmp_path):
     run.save(tmp_path / "run")
 
 
+def test_pushes_that_start_together_are_one_recovery():
+    push = {"duration": 0.4, "force": [1.0, 0.0], "shape": "half_sine"}
+    scenario = ml.load("sim1").with_values(
+        {
+            "push": [
+                {"body": "bar", "start": 1.0, **push},
+                {"body": "vehicle_1", "start": 1.0, **push},
+                {"body": "bar", "start": 5.0, **push},
+            ]
+        }
+    )
+    assert [r.push_start for r in ml.simulate(scenario).recoveries()] == [1.0, 5.0]
+
+
+def test_thrust_as_commanded_is_what_the_law_reckons_with():
+    wrong = RUN.scenario.with_values({"controller.assumed.bar_mass": 1.6})
+    flown = ml.simulate(wrong).thrust_attitude()
+    # Ideal actuators answer at once: the same thrust, whatever the law believes it carries.
+    assert flown["thrust1"] == pytest.approx(flown["thrust1_applied"], rel=1e-12)
+
+
+def test_nothing_has_settled_in_a_run_that_ended_early():
+    run = ml.simulate(ml.load("sim1").with_values({"actuators.command_delay": 0.2}))
+    assert run.status == "slack"
+    assert np.isnan(run.metrics["swing_settling_time"])
+    assert np.isnan(run.metrics["position_settling_time"])
+
+
+def test_overshoot_does_not_depend_on_where_the_world_is():
+    """An axis without travel does not count, whatever rounding makes of its start."""
+    found = set()
+    for shift in np.linspace(-3.0, 3.0, 23):
+        scenario = ml.load("sim1").with_values(
+            {
+                "simulation.duration": 4.0,
+                "start.vehicle_position": [[shift, 2.0], [shift + 1.8, 2.0]],
+                "goal.vehicle_position": [[shift, 3.0], [shift + 1.8, 3.0]],
+                "push": [{"body": "bar", "start": 0.5, "duration": 0.5, "force": [4.0, 0.0]}],
+            }
+        )
+        found.add(round(ml.simulate(scenario).metrics["overshoot"], 9))
+    assert len(found) == 1
+
+
 def test_recoveries_follow_the_pushes():
     run = ml.simulate(ml.load("exp2"))
     found = run.recoveries()

@@ -159,7 +159,20 @@ MISTAKES = [
         "push[0].sample_times",
         "ascending",
     ),
+    (
+        {"push": [{"body": "bar", "start": 1, "duration": 0.0002, "force": [9.0, 0.0]}]},
+        "push[0].duration",
+        "at least one step",
+    ),
+    (
+        {"push": [{"body": "bar", "start": 1.0004, "duration": 0.01, "force": [9.0, 0.0]}]},
+        "push[0].duration",
+        "multiples",
+    ),
+    ({"push": [{"body": "bar", "start": 16, "duration": 1}]}, "push[0].start", "after the end"),
+    ({"simulation.record_period": 0.001, "simulation.duration": 2e4}, "record_period", "rows"),
     ({"schema": 2}, "schema", "1"),
+    ({"schema": True}, "schema", "1"),
     ({"plant": 3}, "plant", "table"),
     ({"controller": {}}, "controller.law", "missing"),
 ]  # fmt: skip

@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from multilift import _core, geometry, quantities, schema
 from multilift import isa as instruction_sets
-from multilift.errors import ControllerError, MissingExtraError, ScenarioError
+from multilift.errors import (
+    ControllerError,
+    MissingExtraError,
+    MultiliftError,
+    ScenarioError,
+)
 from multilift.overrides import Columns
 from multilift.scenario import Scenario
 
@@ -141,7 +146,10 @@ def simulate_batch(
         )
     if controller is not None and controller != scenario.law:
         scenario = scenario.with_law(controller)
+    if threads is not None and not (isinstance(threads, int) and threads > 0):
+        raise MultiliftError(f"threads = {threads!r}: give a whole number above 0, or None")
     columns = Columns(scenario, as_mapping(overrides), count)
+    check_worlds(columns)
     kernel = instruction_sets.kernel(isa)
     groups = _timing_groups(columns)
     rows = max(_steps(t)["rows"] for t, _ in groups) if trajectories else None
@@ -168,16 +176,17 @@ def as_mapping(overrides: Any) -> Mapping[str, ArrayLike] | None:
 
 
 def _timing_groups(columns: Columns) -> list[tuple[dict[str, float], NDArray[np.intp]]]:
-    """Worlds by equal timing: the timing keys' values, and the worlds' indices."""
+    """Worlds by equal timing, ideal ones apart: the timing keys' values, the worlds' indices."""
     keys = [key for key in TIMING if columns.is_own(key)]
     common = {key: float(columns.scenario[key]) for key in TIMING}
-    if not keys:
+    ideal = ideal_worlds(columns)
+    if not keys and ideal.all() == ideal.any():
         return [(common, np.arange(columns.count))]
-    table = np.column_stack([columns.own(key) for key in keys])
+    table = np.column_stack([*(columns.own(key) for key in keys), ideal])
     values, which = np.unique(table, axis=0, return_inverse=True)
     groups = []
     for k, row in enumerate(values):
-        changed = dict(zip(keys, row.tolist(), strict=True))
+        changed = dict(zip(keys, row.tolist(), strict=False))
         columns.scenario.with_values(changed)  # checks the combination
         groups.append(({**common, **changed}, np.flatnonzero(which.ravel() == k)))
     return groups
@@ -219,7 +228,7 @@ def _run(
         steps=steps["steps"],
         control_steps=steps["control"],
         record_steps=steps["record"],
-        ideal=is_ideal(columns),
+        ideal=bool(ideal_worlds(columns)[worlds[0]]),
         metrics=part._metrics,
         audit=part._audit,
         final_state=part.final_state,
@@ -246,11 +255,86 @@ def push_shapes(scenario: Scenario) -> list[tuple[str, str, list[float], list[fl
 
 def is_ideal(columns: Columns) -> bool:
     """Whether no world's actuators and sensors have any imperfection."""
-    return columns.scenario.is_ideal() and not any(
-        columns.is_own(f"{t.name}.{f.name}")
-        for t in (schema.ACTUATORS, schema.SENSORS)
-        for f in t.fields
-    )
+    return bool(ideal_worlds(columns).all())
+
+
+def ideal_worlds(columns: Columns) -> NDArray[np.bool_]:
+    """Which worlds' actuators and sensors have no imperfection, so that none is simulated."""
+    ideal = np.ones(columns.count, dtype=bool)
+    for table in (schema.ACTUATORS, schema.SENSORS):
+        for field in table.fields:
+            ideal &= columns.get(table.name, field) == field.default
+    return ideal
+
+
+def check_worlds(columns: Columns) -> None:
+    """What `validation` checks of a scenario, for every world at once.
+
+    The step is not checked against each world's stiffest mode: a world that is too stiff for it
+    diverges and says so.
+
+    Raises:
+        ScenarioError: for the first world that no scenario file may hold.
+    """
+    with np.errstate(all="ignore"):  # what is not finite is caught by the comparisons
+        bad = _bad_worlds(columns)
+    if bad.any():
+        refuse(columns, int(np.flatnonzero(bad)[0]))
+
+
+def _bad_worlds(columns: Columns) -> NDArray[np.bool_]:
+    get = columns.numbers
+    step = get("simulation.step")
+    limit = get("actuators.thrust_max")
+    share = (get("plant.vehicle_mass") + 0.5 * get("plant.bar_mass")[:, None]) * get(
+        "plant.gravity"
+    )[:, None]
+    bad = np.zeros(columns.count, dtype=bool)
+    bad |= (get("actuators.thrust_min") >= limit) | (share.max(axis=1) > limit)
+    bad |= get("actuators.tilt_max") > np.pi / 2 + 1e-12
+    seed = get("simulation.seed")
+    bad |= (seed != np.floor(seed)) | (seed >= 2**53)
+
+    def steps(key: str) -> NDArray[np.float64]:
+        nonlocal bad
+        time = get(key)
+        count = np.round(time / step)
+        bad |= ~(np.abs(time / step - count) <= 1e-6 * np.maximum(1, count))
+        bad |= (count == 0) & (time > 0)
+        return count
+
+    control = np.round(1.0 / get("controller.rate") / step)
+    sample = steps("sensors.period")
+    sample = np.where(sample > 0, sample, control)
+    capacity = _core.planar_delay_capacity - 2
+    bad |= steps("actuators.command_delay") > capacity * control
+    bad |= steps("sensors.delay") + control > capacity * sample
+    for k, push in enumerate(columns.scenario.values["push"]):
+        start, duration = get(f"push[{k}].start"), get(f"push[{k}].duration")
+        bad |= (duration < (1 - 1e-6) * step) | (start >= get("simulation.duration"))
+        if push["shape"] == "pulse":
+            for time in (start, duration):
+                bad |= np.abs(time / step - np.round(time / step)) >= 1e-6 * np.maximum(
+                    1.0, time / step
+                )
+        if push["body"] != "bar":
+            bad |= get(f"push[{k}].torque") != 0.0
+    return bad
+
+
+def refuse(columns: Columns, world: int) -> None:
+    """Raises the error that a world would raise alone.
+
+    Raises:
+        ScenarioError: naming the world and what is wrong with it.
+    """
+    try:
+        columns.world(world)
+    except ScenarioError as error:
+        raise ScenarioError(
+            f"world {world} cannot be: {error}", where=columns.scenario.where, key=error.key
+        ) from None
+    raise AssertionError(f"world {world} is refused in a batch but not alone")
 
 
 def layout(
@@ -335,13 +419,7 @@ def _starts(
         bad |= np.maximum(np.abs(along), np.abs(up)) > tolerance
     if bad.any():
         world = int(worlds[np.flatnonzero(bad)[0]])
-        try:
-            columns.world(world)
-        except ScenarioError as error:
-            raise ScenarioError(
-                f"world {world} cannot be: {error}", where=columns.scenario.where, key=error.key
-            ) from None
-        raise AssertionError(f"world {world} is refused in a batch but not alone")
+        refuse(columns, world)
     return table[:, :10]
 
 

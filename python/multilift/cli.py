@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 import multilift as ml
@@ -97,9 +98,9 @@ def run(
     _print_run(result)
     if output is not None:
         result.save(output, force=force)
-        _out.print(f"\nWritten to [bold]{output}[/]")
+        _out.print(f"\nWritten to [bold]{escape(str(output))}[/]", soft_wrap=True)
     if not result.finished:
-        _err.print(f"[bold yellow]ended early:[/] {result.ending}")
+        _err.print(f"[bold yellow]ended early:[/] {escape(result.ending)}")
         raise typer.Exit(EXIT_ENDED_EARLY)
 
 
@@ -108,7 +109,7 @@ def run(
     "-o out/mine --count 100000  |  multilift study my.toml -o out/mine --engine ray  |  "
     "multilift study --list. After an interruption, of whatever kind, the same command goes on."
 )
-def study(  # noqa: PLR0917 - typer takes what the command line has
+def study(
     file: Annotated[
         str | None,
         typer.Argument(help="A study file, or the name of a shipped one.", metavar="STUDY"),
@@ -188,7 +189,7 @@ def _print_study(result: Any, *, local: bool) -> None:
             highlight=False,
             soft_wrap=True,
         )
-    _out.print(f"Report: [bold]{result.report}[/]", soft_wrap=True)
+    _out.print(f"Report: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
 
 
 @app.command(
@@ -210,7 +211,7 @@ def reproduce(
 
     result = job.reproduce(output, beside=beside or [], force=force, console=_err)
     _out.print(job.summary_table(result.runs))
-    _out.print(f"\nReport: [bold]{result.report}[/]", soft_wrap=True)
+    _out.print(f"\nReport: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
     if not all(r.finished for laws in result.runs.values() for r in laws.values()):
         raise typer.Exit(EXIT_ENDED_EARLY)
 
@@ -227,9 +228,9 @@ def check(
             scenario = _load(name, changes)
         except ScenarioError as error:
             failed = True
-            _err.print(f"[bold red]wrong[/] {error}", highlight=False, soft_wrap=True)
+            _err.print(f"[bold red]wrong[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         else:
-            _out.print(f"[green]good[/]  {name}: {scenario.title}", highlight=False)
+            _out.print(f"[green]good[/]  {escape(f'{name}: {scenario.title}')}", highlight=False)
     if failed:
         raise typer.Exit(EXIT_BAD_INPUT)
 
@@ -247,7 +248,8 @@ def scenarios(
     table = Table("name", "title", "source", box=None, header_style="bold")
     for file in library.files():
         scenario = ml.load(file)
-        table.add_row(scenario.name, scenario.title, str(scenario.values["source"]))
+        source = str(scenario.values["source"])
+        table.add_row(*map(escape, (scenario.name, scenario.title, source)))
     _out.print(table)
     _out.print("\nStart your own:  multilift scenarios --show sim1 > my_scenario.toml")
 
@@ -282,8 +284,9 @@ def _parse_change(text: str) -> tuple[str, Any]:
 
 
 def _print_run(result: Run) -> None:
-    _out.print(f"[bold]{result.scenario.title}[/], {result.controller_title}", highlight=False)
-    _out.print(f"{result.ending}\n", highlight=False)
+    title, law = escape(result.scenario.title), escape(result.controller_title)
+    _out.print(f"[bold]{title}[/], {law}", highlight=False)
+    _out.print(f"{result.ending}\n", highlight=False, markup=False)
     table = Table("metric", "value", "unit", "meaning", box=None, header_style="bold")
     for name, quantity in quantities.METRICS.items():
         table.add_row(name, _number(result.metrics[name]), quantity.unit, quantity.doc)
@@ -305,7 +308,7 @@ def main() -> None:
     try:
         app()
     except MultiliftError as error:
-        _err.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        _err.print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         sys.exit(EXIT_BAD_INPUT)
     except KeyboardInterrupt:
         _err.print("interrupted")

@@ -18,6 +18,7 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import math
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,6 +92,7 @@ class PythonLaw:
         except Exception as error:
             raise ControllerError(f"law {self.name!r} cannot be constructed: {error!r}") from error
         goal = scenario.goal_vector().reshape(2, 2)
+        goal.setflags(write=False)  # one array for all steps: a law may not move it
 
         def step(
             t: float, q: Sequence[float], q_dot: Sequence[float], saturated: Sequence[bool]
@@ -107,7 +109,7 @@ class PythonLaw:
             )
             try:
                 answer = law(measured)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise ControllerError(f"law {self.name!r} raised at t = {t:g} s: {error!r}") from (
                     error
                 )
@@ -188,9 +190,10 @@ def _load_from_file(reference: str) -> Any:
     if spec is None or spec.loader is None:
         raise ControllerError(f"control law {reference!r}: {file} is not a Python file")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where dataclasses and the like look for it
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ControllerError(f"control law {reference!r}: {file} fails: {error!r}") from error
     if not hasattr(module, attribute):
         raise ControllerError(f"control law {reference!r}: {file} defines no {attribute!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 import numpy as np
@@ -107,10 +108,19 @@ def check_step(scenario: ClosedLoop, where: str) -> None:
         ScenarioError: naming the step and the largest permitted one.
     """
     try:
-        limit = largest_stable_step(closed_loop_matrix(scenario))
+        with np.errstate(all="ignore"):
+            matrix = closed_loop_matrix(scenario)
+        limit = largest_stable_step(matrix) if np.isfinite(matrix).all() else math.nan
     except ValueError:
         return  # no rest at the goal: nothing to linearise about
     step = float(scenario.values["simulation"]["step"])
+    if not math.isfinite(step / limit) and limit != math.inf:
+        raise ScenarioError(
+            "makes numbers that no computer holds: some plant or gain is out of all proportion",
+            where=where,
+            key="plant",
+            advice="check masses, lengths and gains, and their units",
+        )
     if step > limit:
         raise ScenarioError(
             "is too large for the stiffest mode of the closed loop, which RK4 would blow up",

@@ -53,7 +53,18 @@ class Columns:
             ScenarioError: for unknown keys, wrong shapes or values out of range, naming the world.
         """
         self.scenario = scenario
-        given = {str(key): np.asarray(values) for key, values in (overrides or {}).items()}
+        if overrides is not None and not isinstance(overrides, Mapping):
+            raise self._error(
+                "", f"are {type(overrides).__name__}, not a mapping of keys to arrays"
+            )
+        if count is not None and not isinstance(count, int):
+            raise self._error("", f"count = {count!r} is not a whole number")
+        given = {}
+        for key, values in (overrides or {}).items():
+            try:
+                given[str(key)] = np.asarray(values)
+            except ValueError:
+                raise self._error(str(key), "is ragged", "give arrays of one shape") from None
         lengths = {key: len(a) if a.ndim else -1 for key, a in given.items()}
         if any(n < 0 for n in lengths.values()):
             key = next(k for k, n in lengths.items() if n < 0)
@@ -80,6 +91,10 @@ class Columns:
         if value is None:
             value = np.full(field.shape, np.nan)
         return np.asarray(value, dtype=float)[None]
+
+    def numbers(self, key: str) -> NDArray[np.float64]:
+        """A dotted key's numbers, as `get` gives them."""
+        return self.get(key.rpartition(".")[0], self._field(key))
 
     def own(self, key: str) -> NDArray[np.float64]:
         """The numbers of a key that differs from world to world."""

@@ -67,7 +67,9 @@ def styles(runs: Sequence[Run]) -> list[LineStyle]:
         elif run.controller == "pd":
             result.append(BASELINE)
         else:
-            result.append(LineStyle(*next(others), run.controller_title))
+            # A dollar sign would start a formula.
+            label = run.controller_title.replace("$", r"\$")
+            result.append(LineStyle(*next(others), label))
     return result
 
 

@@ -12,7 +12,7 @@ from multilift import _core, isa
 
 
 def describe() -> dict[str, str]:
-    """Version, commit where known, compiler, instruction set of batches, platform, Python and NumPy, as plain texts."""
+    """Versions, commit where known, compiler, instruction set of batches, platform; as texts."""
     build = _core.build_info()
     return {
         "multilift": version("multilift"),

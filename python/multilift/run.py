@@ -125,37 +125,33 @@ class Run:
         From u by the paper's definition below (6); keys ``thrust1``, ``attitude1``,
         ``thrust1_applied``, ``attitude1_applied`` and the same for vehicle 2.
         """
-        plant = self.scenario.plant
         result = {}
-        for suffix in ("", "_applied"):
+        # A command is worked out with what the law assumes; what acts, with what is.
+        for suffix, table in (("", "controller.assumed"), ("_applied", "plant")):
+            masses, bar = (self.scenario[f"{table}.{k}"] for k in ("vehicle_mass", "bar_mass"))
+            gravity = self.scenario[f"{table}.gravity"]
             for i in (1, 2):
-                share = (plant.vehicle_mass[i - 1] + 0.5 * plant.bar_mass) * plant.gravity
                 along = self[f"u{2 * i - 1}{suffix}"]
-                up = self[f"u{2 * i}{suffix}"] + share
+                up = self[f"u{2 * i}{suffix}"] + (masses[i - 1] + 0.5 * bar) * gravity
                 result[f"thrust{i}{suffix}"] = np.hypot(along, up)
                 result[f"attitude{i}{suffix}"] = np.arctan2(along, up)
         return result
 
     def recoveries(self) -> list[Recovery]:
-        """How the swing died away after each push, in order of the pushes."""
-        pushes = sorted(self.scenario.values["push"], key=lambda push: float(push["start"]))
+        """How the swing died away after each push; pushes that start together count as one."""
+        starts = sorted({float(push["start"]) for push in self.scenario.values["push"]})
         swing = np.degrees(np.maximum(np.abs(self["theta1"]), np.abs(self["theta2"])))
         result = []
-        for k, push in enumerate(pushes):
-            until = pushes[k + 1]["start"] if k + 1 < len(pushes) else math.inf
-            window = (self.t >= push["start"]) & (self.t < until)
+        for start, until in zip(starts, [*starts[1:], math.inf], strict=False):
+            window = (self.t >= start - 1e-9) & (self.t < until - 1e-9)
             if not window.any():
                 break  # the run ended before
             outside = self.t[window][swing[window] > 1.0]
             settled = outside.size == 0 or outside[-1] < self.t[window][-1]
-            last = float(outside[-1]) if outside.size else float(push["start"])
-            result.append(
-                Recovery(
-                    float(push["start"]),
-                    float(swing[window].max()),
-                    last - push["start"] if settled else math.nan,
-                )
-            )
+            cut = not self.finished and until > self.end_time
+            last = float(outside[-1]) if outside.size else start
+            time = last - start if settled and not cut else math.nan
+            result.append(Recovery(start, float(swing[window].max()), time))
         return result
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -47,6 +47,7 @@ class Scenario:
         validation.check_goal(self.values, where)
         linear.check_step(self, where)
         validation.check_timing(self.values, where)
+        validation.check_pushes(self.values, where)
 
     @property
     def name(self) -> str:
@@ -90,7 +91,10 @@ class Scenario:
             ScenarioError: as for a file.
         """
         raw = deepcopy(self._raw)
-        plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
+        plain = {
+            str(k): v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v
+            for k, v in values.items()
+        }
         for key, value in plain.items():
             if keys.has_index(key):
                 continue
@@ -181,6 +185,8 @@ def load(path: str | Path) -> Scenario:
         raise ScenarioError(f"cannot be read: {error}", where=str(path)) from None
     try:
         raw = tomllib.loads(text)
+    except RecursionError:
+        raise ScenarioError("is nested too deeply", where=str(path)) from None
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(
             f"is not valid TOML: {error}", where=str(path), advice="mend the line named"

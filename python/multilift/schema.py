@@ -102,7 +102,10 @@ class Field:
             if isinstance(entry, bool):
                 raise fail("is a truth value, not a number")
             if isinstance(entry, (int, float)):
-                return float(entry)
+                try:
+                    return float(entry)
+                except OverflowError:
+                    raise fail("is too large a number") from None
             if isinstance(entry, str):
                 return self._from_text(entry, fail)
             raise fail(f"is not a number but {_type_name(entry)}")

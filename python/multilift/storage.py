@@ -21,7 +21,11 @@ def check_target(target: Path, *, force: bool) -> None:
     Raises:
         OutputError: if something is there that may not be replaced, or its parent is unwritable.
     """
-    if target.exists():
+    try:
+        exists = target.exists()
+    except OSError as error:
+        raise OutputError(f"{target} cannot be a folder: {error.strerror}") from error
+    if exists:
         if not target.is_dir():
             raise OutputError(f"{target} is a file, not a folder\n  what to do: choose another")
         if any(target.iterdir()):

@@ -15,6 +15,10 @@ from multilift.errors import ScenarioError
 
 SCHEMA_VERSION = 1
 
+#: Bounds of a single run: days of computing, and gigabytes of rows.
+MOST_STEPS = 1e10
+MOST_ROWS = 1e7
+
 _TEXTS = ("name", "title", "source", "description")
 _TABLES = {
     "plant": schema.PLANT,
@@ -32,7 +36,8 @@ def normalise(raw: dict[str, Any], where: str) -> dict[str, Any]:
     for key, value in raw.items():
         if key not in known:
             raise schema.unknown_key(where, key, value, known)
-    if raw.get("schema", SCHEMA_VERSION) != SCHEMA_VERSION:
+    version = raw.get("schema", SCHEMA_VERSION)
+    if version != SCHEMA_VERSION or isinstance(version, bool):
         raise ScenarioError(
             "is not a version this multilift reads",
             where=where,
@@ -165,12 +170,49 @@ def check_goal(values: dict[str, Any], where: str) -> None:
         )
 
 
+def check_pushes(values: dict[str, Any], where: str) -> None:
+    """Pushes that the fixed step would miss or smear, or that never act."""
+    step = float(values["simulation"]["step"])
+    for k, push in enumerate(values["push"]):
+        on_grid = all(
+            abs(x / step - round(x / step)) < 1e-6 * max(1.0, x / step)
+            for x in (push["start"], push["duration"])
+        )
+        if push["duration"] < (1 - 1e-6) * step or (push["shape"] == "pulse" and not on_grid):
+            raise ScenarioError(
+                "does not fit the integration step",
+                where=where,
+                key=f"push[{k}].duration",
+                value=push["duration"],
+                permitted=f"at least one step, {step:g} s; for a pulse, start and duration "
+                "multiples of it",
+                advice="round them, or give the same impulse over a longer time",
+            )
+        if push["start"] >= values["simulation"]["duration"]:
+            raise ScenarioError(
+                "is after the end of the run",
+                where=where,
+                key=f"push[{k}].start",
+                value=push["start"],
+                permitted=f"below simulation.duration = {values['simulation']['duration']:g} s",
+            )
+
+
 def check_timing(values: dict[str, Any], where: str) -> None:
     """Times that are no whole number of integration steps, delays that are too long; the seed."""
     step = float(values["simulation"]["step"])
 
     def multiple(key: str, time: float, zero_allowed: bool) -> int:
         ratio = time / step
+        if not ratio <= MOST_STEPS:
+            raise ScenarioError(
+                f"takes {ratio:.3g} integration steps",
+                where=where,
+                key=key,
+                value=time,
+                permitted=f"at most {MOST_STEPS:.0g} steps of {step:g} s",
+                advice="change it or simulation.step",
+            )
         count: int = round(ratio)
         if (count == 0 and not (zero_allowed and time == 0.0)) or abs(ratio - count) > 1e-6 * max(
             1, count
@@ -186,8 +228,16 @@ def check_timing(values: dict[str, Any], where: str) -> None:
             )
         return count
 
-    multiple("simulation.duration", values["simulation"]["duration"], False)
-    multiple("simulation.record_period", values["simulation"]["record_period"], False)
+    steps = multiple("simulation.duration", values["simulation"]["duration"], False)
+    record = multiple("simulation.record_period", values["simulation"]["record_period"], False)
+    if steps / record > MOST_ROWS:
+        raise ScenarioError(
+            f"keeps {steps / record:.3g} rows",
+            where=where,
+            key="simulation.record_period",
+            value=values["simulation"]["record_period"],
+            permitted=f"at most {MOST_ROWS:.0g} rows",
+        )
     control = multiple("1 / controller.rate", 1.0 / values["controller"]["rate"], False)
     delay = multiple("actuators.command_delay", values["actuators"]["command_delay"], True)
     sample = multiple("sensors.period", values["sensors"]["period"], True) or control

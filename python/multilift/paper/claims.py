@@ -44,6 +44,9 @@ def check_claims(runs: Runs) -> list[Claim]:
 
 
 def _verdict(holds: list[bool]) -> Verdict:
+    """By rule; a run that ended early must be counted among what does not hold."""
+    if not holds:
+        return "cannot be checked"
     if all(holds):
         return "holds"
     return "holds in part" if any(holds) else "does not hold"
@@ -61,6 +64,10 @@ def _pair(runs: Runs, name: str, metric: str) -> tuple[float, float]:
     return runs[name]["energy_coupled"].metrics[metric], runs[name]["pd"].metrics[metric]
 
 
+def _lasted(runs: Runs, name: str) -> bool:
+    return runs[name]["energy_coupled"].finished and runs[name]["pd"].finished
+
+
 def _sooner(ours: float, theirs: float) -> bool:
     return math.isfinite(ours) and (not math.isfinite(theirs) or ours < theirs)
 
@@ -70,9 +77,9 @@ def _less_swing(runs: Runs) -> Claim:
     for name in (*SIMULATIONS, *MOVES):
         peak, peak_pd = _pair(runs, name, "peak_swing_1")
         time, time_pd = _pair(runs, name, "swing_settling_time")
-        holds.append(peak < peak_pd and _sooner(time, time_pd))
+        holds.append(_lasted(runs, name) and peak < peak_pd and _sooner(time, time_pd))
         parts.append(
-            f"{runs[name]['pd'].scenario.title.split(':')[0]}: peak |θ1| {peak:.1f}° against "
+            f"{_short(runs, name)}: peak |θ1| {peak:.1f}° against "
             f"{peak_pd:.1f}° under PD, below 1° for good after {seconds(time)} against "
             f"{seconds(time_pd)}"
         )
@@ -88,11 +95,11 @@ def _swing_gone_in_4_s(runs: Runs) -> Claim:
     holds, parts = [], []
     for name in MOVES:
         time, time_pd = _pair(runs, name, "swing_settling_time")
-        holds.append(time <= 4.5 and _sooner(time, time_pd))
+        holds.append(_lasted(runs, name) and time <= 4.5 and not time_pd < 2 * time)
         parts.append(f"{seconds(time)} and {seconds(time_pd)} under PD")
     return _claim(
         "In the experiments the proposed law eliminates the swing in about 4 s; PD takes much "
-        "longer.",
+        "longer (checked: at most 4.5 s, and at least twice that under PD).",
         "Section 5.2; Figs. 7, 9",
         _verdict(holds),
         f"Exp 1-1 {parts[0]}; Exp 1-2 {parts[1]}. The time hangs on the swing damping, which the "
@@ -105,14 +112,15 @@ def _similar_positioning(runs: Runs) -> Claim:
     for name in (*SIMULATIONS, *MOVES):
         time, time_pd = _pair(runs, name, "position_settling_time")
         over, over_pd = _pair(runs, name, "overshoot")
-        ratio = time / time_pd
-        holds.append(1 / ABOUT_EQUAL <= ratio <= ABOUT_EQUAL)
+        equal = time_pd / ABOUT_EQUAL <= time <= time_pd * ABOUT_EQUAL
+        holds.append(_lasted(runs, name) and equal and over - over_pd < 0.02)
         parts.append(
-            f"{runs[name]['pd'].scenario.title.split(':')[0]} {seconds(time)} against "
+            f"{_short(runs, name)} {seconds(time)} against "
             f"{seconds(time_pd)}, overshoot {100 * over:.1f} cm against {100 * over_pd:.1f} cm"
         )
     return _claim(
-        "Positioning is about as fast and exact as under PD.",
+        "Positioning is about as fast and exact as under PD (checked: settled within a quarter of "
+        "PD's time, overshoot at most 2 cm more).",
         "Section 5.3, point 1; Figs. 2, 4, 7, 9",
         _verdict(holds),
         "Last time farther than 2 cm from the goal: " + "; ".join(parts) + ".",
@@ -125,7 +133,7 @@ def _goals_reached(runs: Runs) -> Claim:
         for run in (runs[name]["energy_coupled"], runs[name]["pd"]):
             q = np.array([run[c][-1] for c in ("y1", "z1", "y2", "z2")])
             miss = float(np.abs(q - run.scenario.goal_vector()).max())
-            holds.append(miss < 0.02)
+            holds.append(run.finished and miss < 0.02)
             parts.append(miss)
     return _claim(
         "Both laws drive the vehicles to the desired positions.",
@@ -139,11 +147,12 @@ def _goals_reached(runs: Runs) -> Claim:
 def _pushes_recovered(runs: Runs) -> Claim:
     ours = runs[PUSHED]["energy_coupled"].recoveries()
     theirs = runs[PUSHED]["pd"].recoveries()
-    holds = [_sooner(a.time, b.time) for a, b in zip(ours, theirs, strict=True)]
+    holds = [_sooner(a.time, b.time) for a, b in zip(ours, theirs, strict=False)]
+    holds += [False] * (not _lasted(runs, PUSHED))
     parts = [
         f"push at {a.push_start:g} s: {seconds(a.time)} (peak {a.peak_swing:.1f}°) against "
         f"{seconds(b.time)} (peak {b.peak_swing:.1f}°)"
-        for a, b in zip(ours, theirs, strict=True)
+        for a, b in zip(ours, theirs, strict=False)
     ]
     return _claim(
         "After sudden pushes on the bar the proposed law ends the swing sooner than PD.",
@@ -162,37 +171,47 @@ def _displacement_under_pushes(runs: Runs) -> Claim:
         "Under pushes the proposed law moves the vehicles farther along y, because it uses that "
         "motion to end the swing.",
         "Section 5.2, Experiment 2; Fig. 11",
-        _verdict([span["energy_coupled"] > span["pd"]]),
+        _verdict([_lasted(runs, PUSHED) and span["energy_coupled"] > span["pd"]]),
         f"Vehicle 1 moves up to {100 * span['energy_coupled']:.1f} cm along y, under PD "
         f"{100 * span['pd']:.1f} cm.",
     )
 
 
 def _storage_never_rises(runs: Runs) -> Claim:
-    rises = [runs[name]["energy_coupled"].metrics["storage_rise"] for name in SIMULATIONS]
-    internal = [runs[name]["energy_coupled"].audit["internal_force"] for name in SIMULATIONS]
+    names = (*SIMULATIONS, *MOVES)
+    rises = {name: runs[name]["energy_coupled"].metrics["storage_rise"] for name in names}
+    internal = {name: runs[name]["energy_coupled"].audit["internal_force"] for name in names}
     return _claim(
         "The storage function (49) never rises (Theorem 1).",
         "Section 4.2, (57), (58)",
-        _verdict([rise < 1e-9 for rise in rises]),
-        f"Sim 1 and Sim 2: greatest rise {max(rises):.1e} J. The term that (57) lacks adds up to "
-        f"{internal[0]:.1e} J and {internal[1]:.1e} J there, since equal vehicles move almost "
-        "alike; see below for where it matters.",
+        _verdict([_lasted(runs, name) and rises[name] < 1e-9 for name in names]),
+        "Greatest rise: "
+        + ", ".join(f"{_short(runs, name)} {1e3 * rises[name]:.2g} mJ" for name in names)
+        + ". What the theorem leaves out: sampling, lag, delay and noise, which the experiments "
+        "have, and the term that (57) lacks, which adds up to "
+        + ", ".join(f"{1e3 * internal[name]:.2g}" for name in names)
+        + " mJ in these runs; see below for where it matters.",
     )
+
+
+def _short(runs: Runs, name: str) -> str:
+    return runs[name]["pd"].scenario.title.split(":")[0]
 
 
 def _estimates_do_not_identify(runs: Runs) -> Claim:
     run = runs[PUSHED]["energy_coupled"]
     ends = [float(run[c][-1]) for c in ("d_hat_y1", "d_hat_z1", "d_hat_y2", "d_hat_z2")]
     true = np.ravel(run.scenario.plant.vehicle_drag)
-    holds = bool((np.abs(np.array(ends) - true) > 0.1 * np.abs(true)).all())
+    near_drag = np.abs(np.array(ends) - true) <= 0.1 * np.abs(true)
+    holds = not near_drag.any() and float(np.ptp(ends)) > 0.1 * float(np.abs(true).max())
     return _claim(
         "The drag estimates do not converge to one value, for lack of persistent excitation.",
         "Section 5.2, Experiment 2; Fig. 11",
         _verdict([holds]),
         "Exp 2 ends with d̂ = "
         + ", ".join(f"{x:.2f}" for x in ends)
-        + f" N s/m where the drag is {true[0]:g} N s/m: the estimate acts as added damping.",
+        + f" N s/m where the drags are {', '.join(f'{x:g}' for x in true)} N s/m: the estimates "
+        "act as added damping.",
     )
 
 
@@ -228,16 +247,17 @@ def discrepancies() -> list[Discrepancy]:
             "where equal vehicles move alike, as they nearly do in the paper's tests. With masses "
             f"of {mass[0]:g} and {mass[1]:g} kg, started 1 m too far apart and otherwise as Sim 1, "
             f"it adds up to {run.audit['internal_force']:+.2f} J beside "
-            f"{run.audit['dissipation']:.2f} J of (57), and the storage function, though it falls "
-            f"on the whole, rises by up to {1e3 * run.metrics['storage_rise']:.1f} mJ on the way; "
+            f"{run.audit['dissipation']:.2f} J of (57), and the storage function rises by up to "
+            f"{1e3 * run.metrics['storage_rise']:.1f} mJ on the way; "
             f"the audit's integration error is {run.audit['largest_integration_error']:.0e} J.",
         ),
         _discrepancy(
             "The last steps of the proof need one more",
             "(67) and (68) conclude from rest that all errors vanish, with equations that leave "
             "out the bar's internal force. With it, a rest away from the goal is not excluded at "
-            "once. That the goal attracts its neighbourhood follows from the eigenvalues of the "
-            "linearisation instead, which all lie in the left half plane in the five tests.",
+            "once. That the goal attracts its neighbourhood is seen from the eigenvalues of the "
+            "linearisation instead, with the estimates held: without lag and delay all lie in the "
+            "left half plane in the five tests.",
         ),
         _discrepancy(
             "Two typing errors",

@@ -57,14 +57,20 @@ struct ThrustAttitude {
   }
 };
 
-/// The thrust and attitude that the command u asks for (paper, below (6)).
+/// The force that the command u asks of each vehicle's rotors, world y-z, N (paper, below (6)).
 template <Real R>
-ThrustAttitude<R> thrust_attitude(const Plant<R>& p, const Command<R>& u) {
+std::array<Vec2<R>, 2> rotor_force(const Plant<R>& p, const Command<R>& u) {
+  return {Vec2<R>{u[0].y, u[0].z + p.gravity_share(0)},
+          Vec2<R>{u[1].y, u[1].z + p.gravity_share(1)}};
+}
+
+/// The same as thrust and attitude.
+template <Real R>
+ThrustAttitude<R> thrust_attitude(const std::array<Vec2<R>, 2>& force) {
   ThrustAttitude<R> result;
   for (std::size_t i = 0; i < 2; ++i) {
-    const R fy = u[i].y, fz = u[i].z + p.gravity_share(i);
-    result.thrust[i] = sqrt(fy * fy + fz * fz);
-    result.attitude[i] = atan2(fy, fz);
+    result.thrust[i] = sqrt(dot(force[i], force[i]));
+    result.attitude[i] = atan2(force[i].y, force[i].z);
   }
   return result;
 }
@@ -123,17 +129,26 @@ class TestbedActuators {
         line_(steps_of(limits.command_delay, step), hover(assumed)),
         target_(hover(assumed)),
         actual_(hover(assumed)),
+        slope_max_(tangent(limits.tilt_max)),
         over_step_(decay(step)),
         over_half_step_(decay(0.5 * step)) {}
 
+  /// Rotors do not pull down, and where the tilt is at its limit the vertical part of the force is
+  /// kept and the sideways part cut, as autopilots do; then the thrust is cut to its limits.
   void command(long step, const Command<R>& u) {
-    ThrustAttitude<R> wanted = thrust_attitude(assumed_, u);
+    std::array<Vec2<R>, 2> force = rotor_force(assumed_, u);
     for (std::size_t i = 0; i < 2; ++i) {
-      R &f = wanted.thrust[i], &phi = wanted.attitude[i];
-      saturated_[i] =
-          (f < limits_.thrust_min) | (limits_.thrust_max < f) | (limits_.tilt_max < abs(phi));
+      auto& [side, up] = force[i];
+      const R bound = slope_max_ * max(up, R(0.0));
+      saturated_[i] = (up < R(0.0)) | (bound < abs(side));
+      up = max(up, R(0.0));
+      side = clamp(side, -bound, bound);
+    }
+    ThrustAttitude<R> wanted = thrust_attitude(force);
+    for (std::size_t i = 0; i < 2; ++i) {
+      R& f = wanted.thrust[i];
+      saturated_[i] = saturated_[i] | (f < limits_.thrust_min) | (limits_.thrust_max < f);
       f = clamp(f, limits_.thrust_min, limits_.thrust_max);
-      phi = clamp(phi, -limits_.tilt_max, limits_.tilt_max);
     }
     line_.send(step, wanted);
   }
@@ -164,7 +179,14 @@ class TestbedActuators {
     R thrust, attitude;
   };
 
-  static ThrustAttitude<R> hover(const Plant<R>& p) { return thrust_attitude(p, Command<R>{}); }
+  static ThrustAttitude<R> hover(const Plant<R>& p) {
+    return thrust_attitude(rotor_force(p, Command<R>{}));
+  }
+
+  static R tangent(const R& angle) {
+    const auto [s, c] = sincos(angle);
+    return s / c;
+  }
 
   Decay decay(double time) const {
     const auto left = [time](const R& time_constant) {
@@ -190,6 +212,7 @@ class TestbedActuators {
   DelayLine<R, ThrustAttitude<R>> line_;
   ThrustAttitude<R> target_;
   ThrustAttitude<R> actual_;
+  R slope_max_;
   Decay over_step_, over_half_step_;
   Command<R> start_, middle_, end_;
   std::array<mask_t<R>, 2> saturated_{};

@@ -12,6 +12,8 @@ namespace multilift::planar {
 /// Thresholds of the settling times.
 inline constexpr double swing_band = std::numbers::pi / 180.0;  // 1 degree, rad
 inline constexpr double position_band = 0.02;                   // m
+/// A vehicle moves along an axis if its goal is farther than this from its start.
+inline constexpr double least_travel = 1e-6;  // m
 
 /// One sampling instant, as metrics and records see it.
 template <Real R>
@@ -68,6 +70,9 @@ class Metrics {
     last_time_ = now.time;
   }
 
+  /// The run ended before its time: nothing can be said to have settled.
+  void cut_short() { complete_ = false; }
+
   /// Calls v(Field, x) for each metric, x with its derivatives where R has them; a settling time is
   /// NaN where the run ended unsettled, and has none.
   template <class V>
@@ -79,10 +84,11 @@ class Metrics {
       v(Field{peak_names[k], "deg", Range::any, peak_docs[k]}, peak_swing_[k] / degree);
     v(Field{"swing_settling_time", "s", Range::any,
             "last time |theta1| or |theta2| exceeds 1 degree; 0 if never, empty if still at the "
-            "end"},
+            "end or if the run ended early"},
       R(settled(last_swing_)));
     v(Field{"position_settling_time", "s", Range::any,
-            "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end"},
+            "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end "
+            "or if the run ended early"},
       R(settled(last_far_)));
     v(Field{"overshoot", "m", Range::any,
             "greatest travel past the goal, over vehicles and the axes along which they move"},
@@ -123,6 +129,7 @@ class Metrics {
     take(one.storage_rise_, storage_rise_);
     one.previous_step_ = previous_step_;
     one.last_time_ = last_time_;
+    one.complete_ = complete_;
     return one;
   }
 
@@ -134,11 +141,13 @@ class Metrics {
 
   void beyond(const R& error, const R& travel) {
     const R past = select(R(0.0) < travel, error, -error);
-    const R counts = select(R(0.0) < abs(travel), past, R(0.0));
+    // The start is worked out from the bar's, so that no travel may read as a rounding.
+    const R counts = select(R(least_travel) < abs(travel), past, R(0.0));
     overshoot_ = max(overshoot_, counts);
   }
   double settled(const R& last) const {
-    return value(last) < last_time_ ? value(last) : std::numeric_limits<double>::quiet_NaN();
+    return complete_ && value(last) < last_time_ ? value(last)
+                                                 : std::numeric_limits<double>::quiet_NaN();
   }
 
   std::array<R, 2> share_{};
@@ -148,6 +157,7 @@ class Metrics {
   R peak_thrust_squared_{0.0}, peak_slope_{0.0}, min_tension_{unlimited};
   R least_storage_{unlimited}, storage_rise_{0.0};
   double previous_step_{0.0}, last_time_{0.0};
+  bool complete_{true};
 };
 
 }  // namespace multilift::planar

@@ -142,6 +142,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
           final_metrics.update(instant, 0.0);
           if constexpr (with_audit) final_audit.compare(storage);
         }
+        if (outcome.status != Status::finished) final_metrics.cut_short();
         outcome.metrics = final_metrics.world(i);
         outcome.audit = final_audit.world(i);
       }
