@@ -24,7 +24,7 @@ SPECIAL = {
 
 
 def last_time(run, outside):
-    """When `outside` last held; 0 if never, NaN if it still does at the end or the end came early."""
+    """When `outside` last held; 0 if never, NaN if it does at the end or the end came early."""
     if not run.finished:
         return np.nan
     if not outside.any():

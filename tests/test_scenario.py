@@ -169,7 +169,6 @@ MISTAKES = [
         "push[0].duration",
         "multiples",
     ),
-    ({"push": [{"body": "bar", "start": 16, "duration": 1}]}, "push[0].start", "after the end"),
     ({"simulation.record_period": 0.001, "simulation.duration": 2e4}, "record_period", "rows"),
     ({"schema": 2}, "schema", "1"),
     ({"schema": True}, "schema", "1"),

@@ -171,7 +171,7 @@ def check_goal(values: dict[str, Any], where: str) -> None:
 
 
 def check_pushes(values: dict[str, Any], where: str) -> None:
-    """Pushes that the fixed step would miss or smear, or that never act."""
+    """Pushes that the fixed step would miss or smear."""
     step = float(values["simulation"]["step"])
     for k, push in enumerate(values["push"]):
         on_grid = all(
@@ -187,14 +187,6 @@ def check_pushes(values: dict[str, Any], where: str) -> None:
                 permitted=f"at least one step, {step:g} s; for a pulse, start and duration "
                 "multiples of it",
                 advice="round them, or give the same impulse over a longer time",
-            )
-        if push["start"] >= values["simulation"]["duration"]:
-            raise ScenarioError(
-                "is after the end of the run",
-                where=where,
-                key=f"push[{k}].start",
-                value=push["start"],
-                permitted=f"below simulation.duration = {values['simulation']['duration']:g} s",
             )
 
 
