@@ -3,7 +3,9 @@
 from dataclasses import asdict
 
 import numpy as np
+from hypothesis import Phase, settings
 from multilift.scenario import Scenario
+from planar_random import laws
 
 COORDINATES = ("y1", "z1", "y2", "z2", "theta1", "theta2", "theta3")
 SHIPPED = ("sim1", "sim2", "exp1_1", "exp1_2", "exp2")
@@ -20,6 +22,10 @@ UNLIKE = {
     "goal.vehicle_position": [[0.5, 2.6], [2.7, 2.9]],
     "goal.allow_mismatch": True,
 }
+
+
+# Properties of random runs. A failing case is reported as drawn: to shrink it would take minutes.
+whole_runs = settings(laws, max_examples=40, phases=[Phase.explicit, Phase.generate])
 
 
 def no_force(_):

@@ -5,7 +5,7 @@ from itertools import pairwise
 import multilift as ml
 import numpy as np
 import pytest
-from planar_runs import at_every_step, commands, coordinates
+from planar_runs import at_every_step, commands, coordinates, no_force
 
 STEP = 0.001  # s
 BEFORE, AFTER = (1.0, 2.0, -0.5, 1.0), (-3.0, -4.0, 2.0, 5.0)  # N
@@ -33,6 +33,20 @@ def test_an_ideal_command_acts_at_once():
     expected = np.where(run.t[:, None] > CHANGE - 0.5 * STEP, AFTER, BEFORE)
     np.testing.assert_array_equal(commands(run), expected)
     np.testing.assert_array_equal(applied(run), expected)
+
+
+@pytest.mark.parametrize("actuators", [{}, {"thrust_max": 1e6}], ids=["ideal", "testbed"])
+def test_thrust_holds_the_masses_that_the_law_assumes(actuators):
+    # u = 0 asks for (m + m3/2) g with those; what it is too much lifts the whole uniformly.
+    assumed = {"vehicle_mass": 2.3, "bar_mass": 1.0}
+    scenario = with_actuators(**actuators).with_values(
+        {"controller.assumed": assumed, "plant.vehicle_drag": 0.0}
+    )
+    run = ml.simulate(scenario, no_force)
+    lift = 9.8 * ((2.3 + 0.5) / (2.0 + 0.4) - 1.0)
+    for name in ("z1", "z2"):
+        np.testing.assert_allclose(run[name], 2.0 + 0.5 * lift * run.t**2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["tension1"], 0.5 * 0.8 * (9.8 + lift), rtol=1e-12)
 
 
 @pytest.mark.parametrize("delay", [0.001, 0.02, 0.123])

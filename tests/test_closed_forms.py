@@ -5,17 +5,26 @@ from dataclasses import replace
 import multilift as ml
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from planar_random import Plant, State, laws, plants, states
-from planar_runs import COMPILED, commands, constant, coordinates, cross, no_force, released_from
+from planar_random import Plant, State, plants, states
+from planar_runs import (
+    COMPILED,
+    commands,
+    constant,
+    coordinates,
+    cross,
+    no_force,
+    released_from,
+    whole_runs,
+)
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipj, ellipk
 
 DURATION = 0.4  # s
 
 
-@settings(laws, max_examples=40)
+@whole_runs
 @given(plants(vehicle_drag=(0.0,) * 4), states, st.floats(0.1, 10.0))
 def test_forces_in_balance_accelerate_the_whole_without_deforming_it(plant, state, pull):
     # Tensions that do not turn the bar: pull is their sum. Hovering, free fall (nearly: pull is

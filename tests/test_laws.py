@@ -5,9 +5,9 @@ from dataclasses import replace
 import multilift as ml
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from planar_random import State, laws, loads, plants, states
+from planar_random import State, loads, plants, states
 from planar_runs import (
     COMPILED,
     SHIPPED,
@@ -18,10 +18,10 @@ from planar_runs import (
     no_force,
     rates,
     released_from,
+    whole_runs,
 )
 from scipy.integrate import simpson
 
-whole_runs = settings(laws, max_examples=40)
 free_of_damping = {"vehicle_drag": (0.0,) * 4, "swing_damping": (0.0,) * 3}
 DURATION = 0.4  # s
 

@@ -23,6 +23,7 @@ PUSHES = [
     {"body": "bar", "start": 0.75, "duration": 0.9, "force": [0.6, 0.0], "torque": -0.3,
      "shape": "samples", "sample_times": [0.05, 0.15, 0.7], "sample_values": [1.0, -2.0, 1.5]},
 ]  # fmt: skip
+LIGHTER = {"vehicle_mass": [1.9, 1.7], "bar_mass": 0.6}
 
 
 def leaning_law(m):
@@ -42,7 +43,8 @@ CASES = {
     "both, and integral action": (
         "sim1", UNLIKE | {"push": PUSHES, "controller.k_i": 0.8}, None,
     ),
-    "a Python law": ("sim2", UNLIKE, leaning_law),
+    "wrong masses assumed": ("sim1", {"controller.assumed": LIGHTER}, None),
+    "a Python law": ("sim2", UNLIKE | {"controller.assumed": LIGHTER}, leaning_law),
 }  # fmt: skip
 
 

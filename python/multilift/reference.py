@@ -36,7 +36,8 @@ class ReferenceRun:
         t: the control instants, shape (n,), s.
         q: coordinates y1, z1, y2, z2 (m), theta1..3 (rad), shape (n, 7).
         q_dot: their rates, shape (n, 7).
-        u: commands given at each instant and held until the next, shape (n, 4), N.
+        u: commands given at each instant and held until the next, shape (n, 4), N. They become
+            thrust with the masses that the law assumes.
         d_hat: drag estimates those commands used, shape (n, 4), N s/m; NaN under a Python law.
         closure_drift: largest distance by which q misses the bar's geometry, m. Nothing pulls q
             back there, so it measures what the integration lost.
@@ -81,6 +82,7 @@ def solve(
         )
     step_law, scenario = _stepper(controller, scenario)
     plant, pushes = scenario.plant_values(), scenario.values["push"]
+    surplus = _shares(scenario.controller.assumed) - _shares(scenario["plant"])
     corners = _corners(pushes)
     period = scenario.control_period()
     count = int(scenario["simulation.duration"] / period + 1e-6) + 1
@@ -95,13 +97,19 @@ def solve(
         inside = corners[(corners > t[k] + _SAME_TIME) & (corners < t[k + 1] - _SAME_TIME)]
         x[k + 1] = x[k]
         for begin, end in pairwise([t[k], *inside, t[k + 1]]):
-            rate = _rate(plant, u[k], _acting(pushes, 0.5 * (begin + end)))
+            rate = _rate(plant, u[k] + surplus, _acting(pushes, 0.5 * (begin + end)))
             solver = DOP853(
                 rate, begin, x[k + 1], end, first_step=end - begin, rtol=rtol, atol=atol
             )
             x[k + 1] = _finish(solver)
     drift = [math.hypot(*_core.planar_closure(plant, q)) for q in x[:, :7].tolist()]
     return ReferenceRun(t, x[:, :7], x[:, 7:], u, d_hat, max(drift))
+
+
+def _shares(plant: dict[str, Any]) -> Vector:
+    """(m_i + m3/2) g along z of both vehicles, in the places of u1..u4, N."""
+    mass = np.array(plant["vehicle_mass"]) + 0.5 * plant["bar_mass"]
+    return np.kron(mass * plant["gravity"], [0.0, 1.0])
 
 
 def _rate(
