@@ -38,7 +38,7 @@ nb::dict fast_motion(const Values& values, const Seven<double>& q, const Seven<d
   // Accelerations of the vehicles, by the kinematics of the state's coordinates.
   std::array<Vec2<double>, 2> acceleration;
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto& [direction, tangent, arm] = pose.cable[i];
+    const auto &direction = pose.direction[i], &tangent = pose.tangent[i], &arm = pose.arm[i];
     const double w = state.theta_dot[i], w3 = state.theta_dot[2];
     acceleration[i] =
         result.bar_acceleration + result.theta_ddot[2] * perpendicular(arm) - (w3 * w3) * arm -

@@ -13,8 +13,10 @@
 // speed for lanes.
 #if defined(__GNUC__) || defined(__clang__)
 #define MULTILIFT_INLINE inline __attribute__((always_inline))
+#define MULTILIFT_INLINE_LAMBDA __attribute__((always_inline))
 #else
 #define MULTILIFT_INLINE inline
+#define MULTILIFT_INLINE_LAMBDA
 #endif
 
 namespace multilift {

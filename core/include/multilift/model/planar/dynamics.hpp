@@ -36,54 +36,46 @@ struct Motion {
 template <Real R>
 MULTILIFT_INLINE Motion<R> motion(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
                                   const Loads<R>& loads) {
-  const R half_bar_weight = R(0.5) * p.bar_mass * p.gravity;
-  const R bar_rate_squared = square(state.theta_dot[2]);
-  Symmetric3<R> inertia{p.bar_mass, R(0.0), p.bar_mass, R(0.0), R(0.0), p.bar_inertia};
-  Vec2<R> force{loads.bar_push.y, loads.bar_push.z - R(2.0) * half_bar_weight};
-  R torque = loads.bar_torque - p.swing_damping[2] * state.theta_dot[2];
+  using B = Both<R>;
+  const B mass = both(p.vehicle_mass), rate = both(state.theta_dot[0], state.theta_dot[1]);
+  const Vec2<B> d = both(pose.direction), t = both(pose.tangent), arm = both(pose.arm);
+  const B bar_rate_squared = both(square(state.theta_dot[2]));
+  const Vec2<R> half_bar_weight{R(0.0), R(0.5) * p.bar_mass * p.gravity};
 
-  std::array<Vec2<R>, 2> free_acceleration;  // of a vehicle whose cable carries no tension
-  std::array<Vec2<R>, 2> couple_force;       // swing damping, as a force on the bar's end
-  std::array<R, 2> pull;                     // tension if the bar's end did not accelerate
-  std::array<R, 2> lever;
+  // Levers about the bar's centre of mass of forces on its ends, along and across the cables.
+  const B lever = cross(arm, d), lever_across = cross(arm, t);
+  // Swing damping is a couple: this force along t on the vehicle, and against t on the bar's end.
+  const B couple = both(p.swing_damping[0], p.swing_damping[1]) * rate * both(p.inverse_length);
+  const Vec2<B> net = both(loads.u) + both(half_bar_weight) + both(loads.vehicle_push) -
+                      scale(both(p.vehicle_drag), both(pose.vehicle_velocity));
+  const B net_across = dot(t, net) + couple;
+  // The tension if neither the bar's centre of mass nor its turning accelerated.
+  const B pull =
+      dot(d, net) + mass * (both(p.cable_length) * rate * rate + bar_rate_squared * dot(d, arm));
 
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto& [d, t, arm] = pose.cable[i];
-    const R mass = p.vehicle_mass[i];
-    const R length = p.cable_length[i];
-    couple_force[i] = (-p.swing_damping[i] * state.theta_dot[i] * p.inverse_length[i]) * t;
-    const Vec2<R> net = loads.u[i] + Vec2<R>{R(0.0), half_bar_weight} + loads.vehicle_push[i] -
-                        scale(p.vehicle_drag[i], pose.vehicle_velocity[i]) - couple_force[i];
-    free_acceleration[i] = p.inverse_mass[i] * net;
-    pull[i] =
-        dot(d, net) + mass * (length * square(state.theta_dot[i]) + bar_rate_squared * dot(d, arm));
-    lever[i] = cross(arm, d);
-
-    inertia.a00 += mass * d.y * d.y;
-    inertia.a10 += mass * d.y * d.z;
-    inertia.a11 += mass * d.z * d.z;
-    inertia.a20 += mass * lever[i] * d.y;
-    inertia.a21 += mass * lever[i] * d.z;
-    inertia.a22 += mass * lever[i] * lever[i];
-    force += pull[i] * d + couple_force[i];
-    torque += pull[i] * lever[i] + cross(arm, couple_force[i]);
-  }
-
+  const Vec2<B> mass_d = mass * d;
+  const B mass_lever = mass * lever;
+  const Symmetric3<R> inertia{p.bar_mass + sum(mass_d.y * d.y),
+                              sum(mass_d.y * d.z),
+                              p.bar_mass + sum(mass_d.z * d.z),
+                              sum(mass_lever * d.y),
+                              sum(mass_lever * d.z),
+                              p.bar_inertia + sum(mass_lever * lever)};
+  const Vec2<R> force = sum(pull * d - couple * t) + loads.bar_push - R(2.0) * half_bar_weight;
+  const R torque = sum(pull * lever - couple * lever_across) + loads.bar_torque -
+                   p.swing_damping[2] * state.theta_dot[2];
   const auto [ay, az, alpha] = solve_spd(inertia, {force.y, force.z, torque});
 
-  Motion<R> result;
-  result.bar_acceleration = {ay, az};
-  result.theta_ddot[2] = alpha;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto& [d, t, arm] = pose.cable[i];
-    const Vec2<R> end_acceleration =
-        result.bar_acceleration + alpha * perpendicular(arm) - bar_rate_squared * arm;
-    result.tension[i] =
-        pull[i] - p.vehicle_mass[i] * (dot(d, result.bar_acceleration) + alpha * lever[i]);
-    result.theta_ddot[i] = dot(t, end_acceleration - free_acceleration[i]) * p.inverse_length[i];
-    result.cable_force[i] = result.tension[i] * d + couple_force[i];
-  }
-  return result;
+  const Vec2<R> acceleration{ay, az};
+  const B tension = pull - mass * (dot(d, both(acceleration)) + both(alpha) * lever);
+  // Across the cable, the acceleration of the bar's end less the vehicle's.
+  const B theta_ddot =
+      both(p.inverse_length) * (dot(t, both(acceleration)) + both(alpha) * lever_across -
+                                bar_rate_squared * dot(t, arm) - both(p.inverse_mass) * net_across);
+  return {acceleration,
+          {theta_ddot[0], theta_ddot[1], alpha},
+          each<R>(tension),
+          each<R>(tension * d - couple * t)};
 }
 
 }  // namespace multilift::planar

@@ -86,13 +86,10 @@ MULTILIFT_INLINE UnifiedError<R> unified_error(const Plant<R>& p, const R& k_lam
                                                const std::array<Vec2<R>, 2>& vehicle,
                                                const std::array<Vec2<R>, 2>& vehicle_velocity,
                                                const std::array<Vec2<R>, 2>& goal) {
-  UnifiedError<R> error;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const R coupling = k_lambda * p.inverse_mass[i];  // eta_i = -(k_lambda/m_i) swing, (47)
-    error.eps[i] = (vehicle[i] - goal[i]) - coupling * swing.displacement;
-    error.eps_dot[i] = vehicle_velocity[i] - coupling * swing.rate;
-  }
-  return error;
+  // eta_i = -(k_lambda/m_i) swing, (47)
+  const Both<R> coupling = both(k_lambda) * both(p.inverse_mass);
+  return {each<R>(both(vehicle) - both(goal) - coupling * both(swing.displacement)),
+          each<R>(both(vehicle_velocity) - coupling * both(swing.rate))};
 }
 
 /// The last term of (49): half of the estimation error weighed by the inverse of Gamma, J.
@@ -169,29 +166,31 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   const UnifiedError<R> error =
       unified_error(p, gains.k_lambda, swing, pose.vehicle, pose.vehicle_velocity, goal);
   const R coupling = gains.k_lambda * p.kappa;
-  const R one(1.0), half(0.5);
+  const R weight = R(1.0) + coupling;
+  R damping(0.0);
+  for (std::size_t k = 0; k < 3; ++k) damping += p.swing_damping[k] * square(state.theta_dot[k]);
+
+  using B = Both<R>;
+  const Vec2<B> eps = both(error.eps), eps_dot = both(error.eps_dot);
+  const Vec2<B> velocity = both(pose.vehicle_velocity);
+  const Vec2<B> compensation = scale(both(d_hat), velocity);
+  const B braking = dot(eps_dot, scale(both(gains.k_d), eps_dot));
 
   Powers<R> w;
-  for (std::size_t k = 0; k < 3; ++k)
-    w.dissipation -= (one + coupling) * p.swing_damping[k] * square(state.theta_dot[k]);
+  w.dissipation = -sum(braking) - weight * damping;
+  // u less the law's, of which -K_d eps_dot is the braking.
+  w.actuation =
+      sum(dot(eps_dot, both(loads.u) + scale(both(gains.k_p), eps) - compensation) + braking);
+  w.adaptation = sum(dot(eps_dot, compensation - scale(both(p.vehicle_drag), velocity)));
   w.push = dot(loads.bar_push, state.bar_velocity) +
            R(2.0) * gains.k_lambda * p.inverse_bar_mass * dot(swing.rate, loads.bar_push) +
-           (one + coupling) * loads.bar_torque * state.theta_dot[2];
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Vec2<R>& eps_dot = error.eps_dot[i];
-    const Vec2<R> drag_error = p.vehicle_drag[i] - d_hat[i];
-    const Vec2<R> law = scale(d_hat[i], pose.vehicle_velocity[i]) -
-                        scale(gains.k_p[i], error.eps[i]) - scale(gains.k_d[i], eps_dot);
-    w.dissipation -= dot(gains.k_d[i], scale(eps_dot, eps_dot));
-    w.actuation += dot(eps_dot, loads.u[i] - law);
-    w.adaptation -= dot(eps_dot, scale(drag_error, pose.vehicle_velocity[i]));
-    w.push += dot(eps_dot, loads.vehicle_push[i]);
-  }
+           weight * loads.bar_torque * state.theta_dot[2] +
+           sum(dot(eps_dot, both(loads.vehicle_push)));
   const Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
+  const Vec2<R> deformation = pose.vehicle_velocity[0] - pose.vehicle_velocity[1];
   const R mass_asymmetry = p.inverse_mass[0] - p.inverse_mass[1];
-  w.internal =
-      half * dot(difference, coupling * (pose.vehicle_velocity[0] - pose.vehicle_velocity[1]) +
-                                 gains.k_lambda * mass_asymmetry * swing.rate);
+  w.internal = R(0.5) * dot(difference,
+                            coupling * deformation + gains.k_lambda * mass_asymmetry * swing.rate);
   return w;
 }
 

@@ -14,6 +14,7 @@
 #include "multilift/math/sincos.hpp"
 #include "multilift/math/vec2.hpp"
 #include "multilift/model/planar/parameters.hpp"
+#include "multilift/scalar/both.hpp"
 
 namespace multilift::planar {
 
@@ -91,45 +92,41 @@ MULTILIFT_INLINE State<R> select_state(const mask_t<R>& mask, const State<R>& a,
   return chosen;
 }
 
-/// One cable as seen from the bar's end it holds.
-template <Real R>
-struct Cable {
-  Vec2<R> direction;  // unit vector from the bar's end to the vehicle
-  Vec2<R> tangent;    // motion of the bar's end per cable length and unit of theta
-  Vec2<R> arm;        // from the bar's centre of mass to its end, m
-};
-
 /// Positions, velocities and directions that the equations share at one state.
 template <Real R>
 struct Pose {
   std::array<SinCos<R>, 3> angle;
-  std::array<Cable<R>, 2> cable;
+  // Of each cable: the unit vector from the bar's end to the vehicle, the motion of the bar's end
+  // per cable length and unit of theta, and the arm from the bar's centre of mass to its end, m.
+  std::array<Vec2<R>, 2> direction;
+  std::array<Vec2<R>, 2> tangent;
+  std::array<Vec2<R>, 2> arm;
   std::array<Vec2<R>, 2> vehicle;           // xi_1, xi_2, m
   std::array<Vec2<R>, 2> vehicle_velocity;  // m/s
 };
 
-/// +1 for cable 1 and -1 for cable 2, whose angle the paper counts the other way round.
-inline constexpr std::array<double, 2> cable_side{1.0, -1.0};
-
 template <Real R>
 MULTILIFT_INLINE Pose<R> pose_of(const Plant<R>& p, const State<R>& state) {
-  Pose<R> pose;
-  pose.angle = sincos_each(state.theta);
-  const auto& [s3, c3] = pose.angle[2];
+  const auto [s3, c3] = sincos(state.theta[2]);
   const Vec2<R> along_bar = R(0.5) * p.bar_length * Vec2<R>{c3, s3};
   const Vec2<R> up_to_line = p.bar_half_thickness * Vec2<R>{-s3, c3};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto& [s, c] = pose.angle[i];
-    const R side(cable_side[i]);
-    Cable<R>& cable = pose.cable[i];
-    cable.direction = {-side * s, c};
-    cable.tangent = {side * c, s};
-    cable.arm = up_to_line - side * along_bar;
-    pose.vehicle[i] = state.bar + cable.arm + p.cable_length[i] * cable.direction;
-    pose.vehicle_velocity[i] = state.bar_velocity + state.theta_dot[2] * perpendicular(cable.arm) -
-                               p.cable_length[i] * state.theta_dot[i] * cable.tangent;
-  }
-  return pose;
+
+  using B = Both<R>;
+  const B length = both(p.cable_length);
+  const B side = both(R(1.0), R(-1.0));  // the paper counts theta2 the other way round
+  const auto [s, c] = sincos(both(state.theta[0], state.theta[1]));
+  const Vec2<B> direction{-side * s, c}, tangent{side * c, s};
+  const Vec2<B> arm = both(up_to_line) - side * both(along_bar);
+  const Vec2<B> vehicle = both(state.bar) + arm + length * direction;
+  const Vec2<B> vehicle_velocity = both(state.bar_velocity) +
+                                   both(state.theta_dot[2]) * perpendicular(arm) -
+                                   length * both(state.theta_dot[0], state.theta_dot[1]) * tangent;
+  return {{SinCos<R>{s[0], c[0]}, SinCos<R>{s[1], c[1]}, SinCos<R>{s3, c3}},
+          each<R>(direction),
+          each<R>(tangent),
+          each<R>(arm),
+          each<R>(vehicle),
+          each<R>(vehicle_velocity)};
 }
 
 /// The paper's seven redundant coordinates, or their rates: [y1 z1 y2 z2 theta1 theta2 theta3].

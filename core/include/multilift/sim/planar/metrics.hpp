@@ -32,7 +32,15 @@ class Metrics {
  public:
   Metrics(const Plant<R>& p, const std::array<Vec2<R>, 2>& start,
           const std::array<Vec2<R>, 2>& goal)
-      : share_{p.gravity_share(0), p.gravity_share(1)}, start_(start), goal_(goal) {}
+      : share_{p.gravity_share(0), p.gravity_share(1)}, goal_(goal) {
+    // The start is worked out from the bar's, so that no travel may read as a rounding.
+    const R zero(0.0), one(1.0), least(least_travel);
+    const auto sign = [&](const R& x) {
+      return select(least < x, one, select(x < -least, -one, zero));
+    };
+    for (std::size_t i = 0; i < 2; ++i)
+      towards_[i] = {sign(goal[i].y - start[i].y), sign(goal[i].z - start[i].z)};
+  }
 
   /// At every integration step, the first and the last included; `step` is the time until the next
   /// one, 0 at the last.
@@ -53,8 +61,7 @@ class Metrics {
     for (std::size_t i = 0; i < 2; ++i) {
       const Vec2<R> error = now.pose.vehicle[i] - goal_[i];
       last_far_ = select(R(position_band * position_band) < dot(error, error), time, last_far_);
-      beyond(error.y, goal_[i].y - start_[i].y);
-      beyond(error.z, goal_[i].z - start_[i].z);
+      overshoot_ = max(overshoot_, max(towards_[i].y * error.y, towards_[i].z * error.z));
       effort_ += R(step) * dot(now.commanded[i], now.commanded[i]);
       const Vec2<R> thrust{now.applied[i].y, now.applied[i].z + share_[i]};
       peak_thrust_squared_ = max(peak_thrust_squared_, dot(thrust, thrust));
@@ -139,19 +146,14 @@ class Metrics {
   template <Real>
   friend class Metrics;
 
-  void beyond(const R& error, const R& travel) {
-    const R past = select(R(0.0) < travel, error, -error);
-    // The start is worked out from the bar's, so that no travel may read as a rounding.
-    const R counts = select(R(least_travel) < abs(travel), past, R(0.0));
-    overshoot_ = max(overshoot_, counts);
-  }
   double settled(const R& last) const {
     return complete_ && value(last) < last_time_ ? value(last)
                                                  : std::numeric_limits<double>::quiet_NaN();
   }
 
   std::array<R, 2> share_{};
-  std::array<Vec2<R>, 2> start_, goal_;
+  std::array<Vec2<R>, 2> goal_;
+  std::array<Vec2<R>, 2> towards_;  // the goal along each axis: +1, -1, or 0 for no travel
   std::array<R, 3> peak_swing_{R(0.0), R(0.0), R(0.0)};
   R last_swing_{0.0}, last_far_{0.0}, overshoot_{0.0}, swing_integral_{0.0}, effort_{0.0};
   R peak_thrust_squared_{0.0}, peak_slope_{0.0}, min_tension_{unlimited};

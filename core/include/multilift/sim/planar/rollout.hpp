@@ -155,7 +155,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
 
     // What leads to the next one.
     Powers<R> work = R(h / 6.0) * powers;
-    state = rk4_step(state, now.rate(state), h, [&](Stage stage, const State<R>& x) {
+    const auto rate_at = [&](Stage stage, const State<R>& x) MULTILIFT_INLINE_LAMBDA {
       const bool middle = stage == Stage::middle;
       const Loads<R> stage_loads =
           loads_at(time + (middle ? 0.5 * h : h), stage,
@@ -167,7 +167,14 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
                                                                 stage_loads, stage_motion, goal,
                                                                 d_hat);
       return stage_motion.rate(x);
-    });
+    };
+    // One world runs faster with a copy of this code for each stage; worlds side by side, whose
+    // code is longer, with one copy for all.
+    if constexpr (lanes_of<R> == 1)
+      state = rk4_step(state, now.rate(state), h, rate_at);
+    else
+      state = rk4_step(state, now.rate(state), h,
+                       [&](Stage stage, const State<R>& x) { return rate_at(stage, x); });
     if constexpr (with_audit) audit.add(work);
     pose = pose_of(plant, state);
   }
