@@ -204,12 +204,18 @@ def reproduce(
             "--with", metavar="FILE.py:NAME", help="Your own law, beside the paper's two."
         ),
     ] = None,
+    studies: Annotated[
+        bool,
+        typer.Option("--studies", help="Run the shipped studies at a small size too; a minute."),
+    ] = False,
     force: ForceOption = False,
 ) -> None:
     """Run the paper's five tests under both laws: figures, data, claims, report.html."""
     from multilift import paper as job  # noqa: PLC0415 - loads the plotting packages
 
-    result = job.reproduce(output, beside=beside or [], force=force, console=_err)
+    result = job.reproduce(
+        output, beside=beside or [], with_studies=studies, force=force, console=_err
+    )
     _out.print(job.summary_table(result.runs))
     _out.print(f"\nReport: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
     if not all(r.finished for laws in result.runs.values() for r in laws.values()):

@@ -97,7 +97,7 @@ def assumptions(scenario: Scenario) -> list[str]:
 def build(
     runs: Mapping[str, Mapping[str, Run]],
     figures: Path,
-    sensitivity: report.Sensitivity,
+    tables: Sequence[report.Sensitivity],
     beside: Sequence[str],
 ) -> report.Page:
     """The page for runs by scenario, then controller.
@@ -105,7 +105,7 @@ def build(
     Args:
         runs: finished or not; each scenario under the same laws.
         figures: folder that holds the figures' PNG files.
-        sensitivity: the table of varied assumptions.
+        tables: of varied assumptions and of studies.
         beside: further laws as given on the command line, for the commands shown.
     """
     found = claims.check_claims(runs)
@@ -119,7 +119,7 @@ def build(
         metrics=_metric_infos(),
         claims=found,
         discrepancies=claims.discrepancies(),
-        sensitivity=[sensitivity],
+        sensitivity=tables,
         audit=[
             report.MetricInfo(
                 name=name,

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from multilift import controllers, provenance, storage
+from multilift import controllers, library, provenance, storage
 from multilift.errors import ControllerError, MissingExtraError
 from multilift.run import Run, write_json, write_parquet
 from multilift.scenario import load
@@ -43,6 +43,7 @@ def reproduce(
     target: Path,
     *,
     beside: Sequence[str] = (),
+    with_studies: bool = False,
     force: bool = False,
     console: Console | None = None,
 ) -> Result:
@@ -51,6 +52,7 @@ def reproduce(
     Args:
         target: folder to make; it appears only when complete.
         beside: further laws, each "FILE.py:NAME" or a compiled law's name.
+        with_studies: run the shipped studies at a small size too; about a minute.
         force: replace an earlier result there.
         console: where the progress bar goes; none without it.
 
@@ -62,6 +64,7 @@ def reproduce(
     laws = _laws(beside)
     drawings = 2 * len(page.FIGURES)
     total = len(page.FIGURES) * len(laws) + sensitivity.runs_needed() + drawings + 1
+    total += len(library.studies()) * with_studies
     with (
         storage.new_folder(target, force=force) as folder,
         Progress(
@@ -94,11 +97,16 @@ def reproduce(
             ]  # fmt: skip
             # While others draw, this process varies the assumptions.
             progress.update(task, description="varying, drawing")
-            table = sensitivity.table(lambda: progress.advance(task))
+            tables = [sensitivity.table(lambda: progress.advance(task))]
             progress.update(task, description="drawing")
             for done in as_completed(waiting):
                 done.result()
                 progress.advance(task)
+        if with_studies:
+            progress.update(task, description="studies")
+            from multilift.paper import studies  # noqa: PLC0415 - needs the extra "study"
+
+            tables.append(studies.table(folder / "studies", lambda: progress.advance(task)))
         progress.update(task, description="writing the report")
         summaries = {
             name: {law: run.summary() for law, run in laws.items()} for name, laws in runs.items()
@@ -106,7 +114,7 @@ def reproduce(
         write_json(folder / "metrics.json", summaries)
         seeds = {name: load(name).values["simulation"]["seed"] for name in runs}
         write_json(folder / "run.json", {**provenance.describe(), "seeds": seeds})
-        contents = page.build(runs, figures, table, beside)
+        contents = page.build(runs, figures, tables, beside)
         (folder / "report.html").write_text(report.render(contents), encoding="utf-8")
         progress.update(task, description="done")
         progress.advance(task)
