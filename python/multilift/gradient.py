@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import batch, isa, quantities, schema
+from multilift import isa, layout, quantities, schema
 from multilift.errors import ControllerError, MissingExtraError, ScenarioError
 from multilift.scenario import Scenario
 
@@ -146,7 +146,7 @@ def gradient(
         law=scenario.law,
         values=values,
         tangents=tangents.reshape(len(keys), len(values)),
-        pushes=batch.push_shapes(scenario),
+        pushes=layout.push_shapes(scenario),
         at_rest=scenario.values["start"]["angle"] is None,
         step=step,
         steps=round(simulation["duration"] / step),

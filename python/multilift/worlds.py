@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from multilift import batch
+from multilift import batch, layout
 from multilift import isa as instruction_sets
 from multilift.errors import ControllerError, ScenarioError
 from multilift.overrides import Columns
@@ -88,7 +88,7 @@ class Worlds:
         columns = self._columns(self._given, count)
         self.count = columns.count
         self._threads = threads or os.cpu_count() or 1
-        self._rows = batch.layout(columns, np.arange(self.count))[0]
+        self._rows = layout.rows(columns, np.arange(self.count))[0]
         values = scenario.values["simulation"]
         arrays: dict[str, NDArray[Any]] = {
             "q": np.zeros((self.count, 7)),
@@ -101,7 +101,7 @@ class Worlds:
         self._core = instruction_sets.kernel(isa).Worlds(
             law=scenario.law,
             rows=self._rows,
-            pushes=batch.push_shapes(scenario),
+            pushes=layout.push_shapes(scenario),
             step=values["step"],
             steps=round(values["duration"] / values["step"]),
             control_steps=round(self.period / values["step"]),
@@ -187,7 +187,7 @@ class Worlds:
         which = np.flatnonzero(chosen)
         if overrides is not None and len(which) > 0:
             given = {**self._given, **overrides}
-            self._rows[which] = batch.layout(self._columns(given, self.count), which)[0]
+            self._rows[which] = layout.rows(self._columns(given, self.count), which)[0]
             self._given = given
         self._core.reset(np.ascontiguousarray(chosen))
 
@@ -201,7 +201,7 @@ class Worlds:
                 key=own_clock[0],
                 advice="change the scenario by with_values, and make Worlds for each value",
             )
-        if not batch.is_ideal(columns):
+        if not layout.is_ideal(columns):
             raise ScenarioError(
                 "has actuators or sensors that are not ideal: worlds take the forces that act, "
                 "and tell the truth",
@@ -210,4 +210,5 @@ class Worlds:
                 advice='scenario.with_values({"actuators": {}, "sensors": {}}), and model yours '
                 "around Worlds",
             )
+        layout.check_worlds(columns)
         return columns
