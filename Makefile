@@ -11,7 +11,7 @@ SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
   $(shell find core/include bindings python scenarios studies -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help reproduce test test-all test-ray lint format bench docs wheel clean
+.PHONY: help reproduce test test-ray lint format bench docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
