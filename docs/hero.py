@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from multilift import plot
 
 SNAPSHOTS = (0.0, 0.7, 1.4, 2.1, 2.8, 3.5)  # s
-LAWS = (("pd", plot.BASELINE), ("energy_coupled", plot.PROPOSED))
+LAWS = ("pd", "energy_coupled")
 
 
 def draw_system(ax, run, time, colour, alpha):
@@ -45,13 +45,14 @@ def main():
             "simulation.duration": 12.0,
         }
     )
-    runs = {law: ml.simulate(scenario, law) for law, _ in LAWS}
+    runs = {law: ml.simulate(scenario, law) for law in LAWS}
+    looks = dict(zip(LAWS, plot.styles(list(runs.values())), strict=True))
     with rc_context({**plot.RC, "axes.grid": False}):
         figure = Figure(figsize=(10.4, 4.6), layout="constrained")
         axes = figure.subplot_mosaic(
             [["pd", "swing"], ["energy_coupled", "swing"]], width_ratios=[1.35, 1]
         )
-        for law, look in LAWS:
+        for law, look in looks.items():
             ax = axes[law]
             for k, time in enumerate(SNAPSHOTS):
                 draw_system(

@@ -35,7 +35,7 @@ def test_the_step_limit_is_where_rk4_stops_damping(name):
 
 
 def test_known_limits():
-    # RK4 on a decaying mode: |R(z)| = 1 at z = -2.785293563...; a shift register of no interest.
+    # RK4 on a decaying mode: |R(z)| = 1 at z = -2.785293563...; a growing one has no limit.
     assert linear.largest_stable_step(np.array([[-1.0]])) == pytest.approx(2.7852935634, abs=1e-3)
     assert linear.largest_stable_step(np.array([[1.0]])) == np.inf
 

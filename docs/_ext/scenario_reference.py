@@ -19,15 +19,7 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 NBSP = "\N{NO-BREAK SPACE}"
-TABLES = (
-    schema.PLANT,
-    schema.START,
-    schema.GOAL,
-    schema.SIMULATION,
-    schema.ACTUATORS,
-    schema.SENSORS,
-    schema.PUSH,
-)
+TABLES = (*schema.TABLES.values(), schema.PUSH)
 
 
 def grid(heads: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

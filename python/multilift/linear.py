@@ -114,7 +114,7 @@ def check_step(scenario: ClosedLoop, where: str) -> None:
     except ValueError:
         return  # no rest at the goal: nothing to linearise about
     step = float(scenario.values["simulation"]["step"])
-    if not math.isfinite(step / limit) and limit != math.inf:
+    if math.isnan(limit):
         raise ScenarioError(
             "makes numbers that no computer holds: some plant or gain is out of all proportion",
             where=where,

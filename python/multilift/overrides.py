@@ -16,19 +16,6 @@ from multilift.scenario import Scenario
 _KEY = re.compile(r"([a-z_]+(?:\[\d+\])?(?:\.[a-z_]+)+)((?:\[\d+\])*)")
 _PUSH = re.compile(r"push\[(\d+)\]\.([a-z_]+)")
 
-#: Tables whose numbers may differ, by name.
-_TABLES = {
-    t.name: t
-    for t in (
-        schema.PLANT,
-        schema.START,
-        schema.GOAL,
-        schema.SIMULATION,
-        schema.ACTUATORS,
-        schema.SENSORS,
-    )
-}
-
 
 class Columns:
     """A scenario's numbers, each once for all worlds or once a world.
@@ -135,13 +122,13 @@ class Columns:
             fields = schema.controller_table(self.scenario.law).fields
         elif table == "controller.assumed":
             fields = schema.PLANT.fields
-        elif table in _TABLES:
-            fields = _TABLES[table].fields
+        elif table in schema.TABLES:
+            fields = schema.TABLES[table].fields
         elif (match := _PUSH.fullmatch(key)) and int(match[1]) < len(self.scenario.values["push"]):
             fields = schema.PUSH.fields
         else:
             raise schema.unknown_key(
-                self.scenario.where, key, None, [*_TABLES, "controller", "push[K]"]
+                self.scenario.where, key, None, [*schema.TABLES, "controller", "push[K]"]
             )
         by_name = {f.name: f for f in fields if f.kind == "number"}
         if name not in by_name:

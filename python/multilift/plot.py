@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from multilift.errors import MissingExtraError
+from multilift.styles import LAW_LABELS, law_styles
 
 try:
     from matplotlib import rc_context
@@ -24,19 +25,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LineStyle:
-    """How one controller's curves look, in figures and in the report."""
+    """How one controller's curves look in figures."""
 
     colour: str
-    dash: str  # matplotlib's
+    dash: Any  # matplotlib's
     label: str
 
 
-#: The paper's: proposed law blue and solid, PD red and dashed. Shades from Okabe and Ito, which
-#: the colour-blind tell apart; dashes tell them apart in grey print.
-PROPOSED = LineStyle("#0072B2", "-", "energy-coupled")
-BASELINE = LineStyle("#D55E00", "--", "PD")
-OTHERS = (("#009E73", "-."), ("#CC79A7", ":"))
 DESIRED = LineStyle("black", "--", "desired")
+
+#: matplotlib's dashes are in line widths; this makes PD's the length of its own "--".
+_WIDTHS_PER_PIXEL = 1.6 / 3.0
 
 #: Sizes and rules of every figure, for matplotlib's rc_context.
 RC: Any = {
@@ -57,20 +56,25 @@ RC: Any = {
 }
 
 
-def styles(runs: Sequence[Run]) -> list[LineStyle]:
-    """One style for each run, by its controller."""
-    result = []
-    others = iter(OTHERS * len(runs))
-    for run in runs:
-        if run.controller == "energy_coupled":
-            result.append(PROPOSED)
-        elif run.controller == "pd":
-            result.append(BASELINE)
-        else:
-            # A dollar sign would start a formula.
-            label = run.controller_title.replace("$", r"\$")
-            result.append(LineStyle(*next(others), label))
+def line_styles(laws: Sequence[str]) -> dict[str, LineStyle]:
+    """How the curves of laws, by name, look; repetitions are fine."""
+    result = {}
+    for law, style in law_styles(laws).items():
+        dash = (0.0, tuple(_WIDTHS_PER_PIXEL * d for d in style.dashes)) if style.dashes else "-"
+        result[law] = LineStyle(style.color, dash, LAW_LABELS.get(law, law))
     return result
+
+
+def styles(runs: Sequence[Run]) -> list[LineStyle]:
+    """One style for each run, by its controller; a law of one's own goes by its title."""
+    looks = line_styles([run.controller for run in runs])
+    return [
+        looks[run.controller]
+        if run.controller in LAW_LABELS
+        # A dollar sign would start a formula.
+        else replace(looks[run.controller], label=run.controller_title.replace("$", r"\$"))
+        for run in runs
+    ]
 
 
 def response(runs: Sequence[Run]) -> Figure:
@@ -129,7 +133,7 @@ def _stack(
                            label=DESIRED.label)  # fmt: skip
             # Solid first: where curves coincide, both show through the dashes on top.
             for run, look in sorted(
-                zip(runs, looks, strict=True), key=lambda pair: pair[1] is not PROPOSED
+                zip(runs, looks, strict=True), key=lambda pair: pair[1].dash != "-"
             ):
                 if column in run.columns:
                     ax.plot(run.t, scale * run[column], color=look.colour, ls=look.dash,

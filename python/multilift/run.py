@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift import provenance, quantities, storage
+from multilift.controllers import PythonLaw
 from multilift.errors import MissingExtraError
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from multilift.controllers import CompiledLaw, PythonLaw
+    from multilift.controllers import CompiledLaw
     from multilift.scenario import Scenario
 
 
@@ -65,10 +66,9 @@ class Run:
         self._columns: dict[str, NDArray[np.float64]] = {
             name: samples[:, k] for k, name in enumerate(quantities.COLUMNS)
         }
-        if not hasattr(law, "make"):
-            return
-        for name in quantities.LAW_COLUMNS:  # a law of one's own has no drag estimate here
-            del self._columns[name]
+        if isinstance(law, PythonLaw):
+            for name in quantities.LAW_COLUMNS:  # a law of one's own has no drag estimate here
+                del self._columns[name]
 
     @property
     def t(self) -> NDArray[np.float64]:

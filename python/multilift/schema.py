@@ -324,6 +324,9 @@ PUSH = Table(
     ),
 )  # fmt: skip
 
+#: The tables that every scenario has once, by name.
+TABLES = {t.name: t for t in (PLANT, START, GOAL, SIMULATION, ACTUATORS, SENSORS)}
+
 LAW_TITLES: dict[str, str] = {name: title for name, (title, _) in _core.planar_laws().items()}
 _LAW_FIELDS = {name: _core_fields(fields) for name, (_, fields) in _core.planar_laws().items()}
 

@@ -20,19 +20,11 @@ MOST_STEPS = 1e10
 MOST_ROWS = 1e7
 
 _TEXTS = ("name", "title", "source", "description")
-_TABLES = {
-    "plant": schema.PLANT,
-    "start": schema.START,
-    "goal": schema.GOAL,
-    "simulation": schema.SIMULATION,
-    "actuators": schema.ACTUATORS,
-    "sensors": schema.SENSORS,
-}
 
 
 def normalise(raw: dict[str, Any], where: str) -> dict[str, Any]:
     """Every table complete with defaults, each value in SI; unknown keys refused."""
-    known = ("schema", *_TEXTS, *_TABLES, "controller", "push")
+    known = ("schema", *_TEXTS, *schema.TABLES, "controller", "push")
     for key, value in raw.items():
         if key not in known:
             raise schema.unknown_key(where, key, value, known)
@@ -51,7 +43,7 @@ def normalise(raw: dict[str, Any], where: str) -> dict[str, Any]:
         values[key] = text.strip()
     values["name"] = values["name"] or "scenario"
     values["title"] = values["title"] or values["name"]
-    for key, table in _TABLES.items():
+    for key, table in schema.TABLES.items():
         values[key] = table.normalise(raw.get(key, {}), where)
     values["controller"] = _normalise_controller(raw.get("controller", {}), values["plant"], where)
     values["push"] = _normalise_pushes(raw.get("push", []), where)

@@ -12,6 +12,7 @@ from multilift import provenance, quantities, report
 from multilift.paper import claims
 from multilift.run import Run
 from multilift.scenario import Scenario
+from multilift.styles import LAW_LABELS
 
 #: The paper's figures of each test: response, commands.
 FIGURES: dict[str, tuple[int, int]] = {
@@ -21,8 +22,6 @@ FIGURES: dict[str, tuple[int, int]] = {
     "exp1_2": (9, 10),
     "exp2": (11, 12),
 }
-
-LAW_LABELS = {"energy_coupled": "energy-coupled", "pd": "PD"}
 
 REFERENCE = (
     "Chai, Liang, Yang, Han (2022), Energy-based nonlinear adaptive control for collaborative "

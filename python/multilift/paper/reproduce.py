@@ -19,6 +19,7 @@ from multilift.errors import ControllerError, MissingExtraError
 from multilift.run import Run, write_json, write_parquet
 from multilift.scenario import load
 from multilift.simulate import simulate
+from multilift.styles import LAW_LABELS
 
 try:
     from multilift import plot, report
@@ -131,7 +132,7 @@ def summary_table(runs: dict[str, dict[str, Run]]) -> Table:
             m = run.metrics
             table.add_row(
                 run.scenario.title.split(":")[0] if k == 0 else "",
-                page.LAW_LABELS.get(run.controller, run.controller),
+                LAW_LABELS.get(run.controller, run.controller),
                 f"{m['peak_swing_1']:.2f}°",
                 _seconds(m["swing_settling_time"]),
                 _seconds(m["position_settling_time"]),

@@ -23,7 +23,7 @@ from multilift.report.contents import (
     Verdict,
 )
 from multilift.report.page import render
-from multilift.report.styles import DESIRED_STYLE, LawStyle, law_styles
+from multilift.styles import DESIRED_STYLE, LawStyle, law_styles
 
 __all__ = [
     "DESIRED_STYLE",

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift.report.contents import PaperTest, RunView
-from multilift.report.styles import DESIRED_STYLE, law_styles
 from multilift.report.text import listed, ordinal
+from multilift.styles import DESIRED_STYLE, law_styles
 
 _ANIMATED = ("t", "y1", "z1", "y2", "z2", "theta1", "theta2")
 _APPLIED = ("u1_applied", "u2_applied", "u3_applied", "u4_applied")

@@ -18,9 +18,9 @@ from plotly.offline import get_plotlyjs
 
 from multilift.report.contents import Claim, Figure, Page, PaperTest
 from multilift.report.embed import drawn_note, page_data
-from multilift.report.styles import law_styles
 from multilift.report.tables import Row, audit_rows, key_table, metric_row, missing_notes
 from multilift.report.text import inline, listed, paragraphs
+from multilift.styles import law_styles
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from multilift.plot import BASELINE, OTHERS, PROPOSED, RC, LineStyle
+from multilift.plot import RC, LineStyle, line_styles
 from multilift.study import binning
 from multilift.study.binning import Bins
 from multilift.study.rows import OUTCOMES
@@ -73,11 +73,7 @@ def draw_all(store: Store, summary: Summary) -> list[Drawing]:
 
 def style(laws: Sequence[str], law: str) -> LineStyle:
     """A law's colour, dash and name, the same as in the figures of runs."""
-    known = {"energy_coupled": PROPOSED, "pd": BASELINE}
-    if law in known:
-        return known[law]
-    others = [x for x in laws if x not in known]
-    return LineStyle(*OTHERS[others.index(law) % len(OTHERS)], law)
+    return line_styles(laws)[law]
 
 
 def _png(figure: Figure) -> bytes:

@@ -1,4 +1,8 @@
-"""The colour and line of each law, the same in every drawing of a report."""
+"""The name, colour and line of each law, the same in every figure and page.
+
+The paper's: proposed law blue and solid, PD red and dashed. Shades from Okabe and Ito, which the
+colour-blind tell apart; dashes tell them apart in grey print.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,9 @@ class LawStyle:
     color: str
     dashes: tuple[float, ...]
 
+
+#: The paper's laws as readers should see them; another law goes by its title.
+LAW_LABELS = {"energy_coupled": "energy-coupled", "pd": "PD"}
 
 DESIRED_STYLE = LawStyle("#000000", (4.0, 3.0))
 _KNOWN_STYLES = {
