@@ -102,10 +102,7 @@ class Kernel {
       outcome.metrics.report([&](const Field&, double x) { *metric++ = x; });
       double* entry = job_.audit + world * job_.audit_count;
       outcome.audit.report([&](const Field&, double x) { *entry++ = x; });
-      const auto& s = outcome.state;
-      const std::array<double, 10> state{
-          s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
-          s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2]};
+      const std::array<double, 10> state = outcome.state.flat();
       std::copy(state.begin(), state.end(), job_.final_state + world * 10);
       job_.end_time[world] = outcome.end_time;
       job_.status[world] = static_cast<std::int8_t>(outcome.status);

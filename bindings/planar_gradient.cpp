@@ -94,10 +94,8 @@ planar::Outcome<D> run_along(const Frame& frame, SeededRow row) {
 
 /// Every number of an outcome, in the order final state (10), metrics, audit.
 std::vector<D> numbers_of(const planar::Outcome<D>& outcome) {
-  const auto& s = outcome.state;
-  std::vector<D> numbers{s.bar.y,        s.bar.z,          s.theta[0],       s.theta[1],
-                         s.theta[2],     s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0],
-                         s.theta_dot[1], s.theta_dot[2]};
+  const std::array<D, 10> state = outcome.state.flat();
+  std::vector<D> numbers(state.begin(), state.end());
   const auto add = [&](const Field&, const D& x) { numbers.push_back(x); };
   outcome.metrics.visit(add);
   outcome.audit.visit(add);

@@ -134,20 +134,10 @@ Table<double> starts(const Table<const double>& plants, const Table<const double
     const planar::Plant<Dual<1>> dual_plant(
         unpack<planar::Parameters<Dual<1>>>(plants.data() + k * plants.shape(1)));
     const auto gap = closure(dual_plant, moving);
-    const State<double> s = state_from_seven(plant, q, q_dot);
-    const std::array<double, 12> numbers{s.bar.y,
-                                         s.bar.z,
-                                         s.theta[0],
-                                         s.theta[1],
-                                         s.theta[2],
-                                         s.bar_velocity.y,
-                                         s.bar_velocity.z,
-                                         s.theta_dot[0],
-                                         s.theta_dot[1],
-                                         s.theta_dot[2],
-                                         std::max(std::fabs(gap.y.x), std::fabs(gap.z.x)),
-                                         std::max(std::fabs(gap.y.d[0]), std::fabs(gap.z.d[0]))};
-    std::copy(numbers.begin(), numbers.end(), row);
+    const std::array<double, 10> state = state_from_seven(plant, q, q_dot).flat();
+    std::copy(state.begin(), state.end(), row);
+    row[10] = std::max(std::fabs(gap.y.x), std::fabs(gap.z.x));
+    row[11] = std::max(std::fabs(gap.y.d[0]), std::fabs(gap.z.d[0]));
   }
   return Table<double>(free, {n, 12}, owner);
 }
@@ -203,10 +193,7 @@ void bind_planar_model(nb::module_& m) {
   m.def(
       "planar_free_coordinates",
       [](const Values& values, const Seven<double>& q, const Seven<double>& q_dot) {
-        const auto s = state_from_seven(plant_from(values), q, q_dot);
-        return std::array<double, 10>{
-            s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
-            s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2]};
+        return state_from_seven(plant_from(values), q, q_dot).flat();
       },
       nb::arg("plant"), nb::arg("q"), nb::arg("q_dot"),
       "[bar y, bar z, theta1..3 and their rates] from the seven coordinates and their rates.");

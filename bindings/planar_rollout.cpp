@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "push_names.hpp"
 
 namespace multilift::bindings {
 
@@ -94,21 +95,6 @@ nb::dict result_of(const planar::Outcome<double>& outcome, Table&& table) {
   d["metrics"] = as_dict(outcome.metrics);
   d["audit"] = as_dict(outcome.audit);
   return d;
-}
-
-PushShape shape_from(const std::string& name) {
-  if (name == "pulse") return PushShape::pulse;
-  if (name == "half_sine") return PushShape::half_sine;
-  if (name == "sine") return PushShape::sine;
-  if (name == "samples") return PushShape::samples;
-  throw std::invalid_argument("no push shape is called '" + name + "'");
-}
-
-planar::Body body_from(const std::string& name) {
-  if (name == "vehicle_1") return planar::Body::vehicle_1;
-  if (name == "vehicle_2") return planar::Body::vehicle_2;
-  if (name == "bar") return planar::Body::bar;
-  throw std::invalid_argument("no body is called '" + name + "'");
 }
 
 Push make_push(const std::string& body, const std::array<double, 2>& force, double torque,

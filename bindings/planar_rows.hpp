@@ -11,6 +11,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "multilift/multilift.hpp"
+#include "push_names.hpp"
 
 namespace multilift::bindings {
 
@@ -29,19 +30,6 @@ struct PushShapes {
   PushShape shape;
   std::vector<double> sample_times, sample_values;
 };
-
-inline planar::Body body_from(const std::string& name) {
-  if (name == "vehicle_1") return planar::Body::vehicle_1;
-  if (name == "vehicle_2") return planar::Body::vehicle_2;
-  return planar::Body::bar;
-}
-
-inline PushShape shape_from(const std::string& name) {
-  if (name == "half_sine") return PushShape::half_sine;
-  if (name == "sine") return PushShape::sine;
-  if (name == "samples") return PushShape::samples;
-  return PushShape::pulse;
-}
 
 /// Body, shape, sample times, sample values.
 using PushTuple = std::tuple<std::string, std::string, std::vector<double>, std::vector<double>>;

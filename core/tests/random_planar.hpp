@@ -96,8 +96,7 @@ State<R> state_of(const std::array<R, 10>& x) {
 
 template <Real R>
 std::array<R, 10> flat(const State<R>& s) {
-  return {s.bar.y,          s.bar.z,          s.theta[0],     s.theta[1],     s.theta[2],
-          s.bar_velocity.y, s.bar_velocity.z, s.theta_dot[0], s.theta_dot[1], s.theta_dot[2]};
+  return s.flat();
 }
 
 template <Real R>

@@ -38,6 +38,12 @@ def parse(key: str, where: str = "key") -> tuple[Step, ...]:
     return tuple(steps)
 
 
+def split_index(key: str) -> tuple[str, tuple[int, ...]]:
+    """A key less the indices at its end, and those: ``("push[0].force", (1,))``."""
+    base = re.sub(r"(\[\d+\])+$", "", key)
+    return base, tuple(int(k) for k in re.findall(r"\d+", key[len(base) :]))
+
+
 def has_index(key: str) -> bool:
     """Whether a key names one place of a list."""
     return "[" in key

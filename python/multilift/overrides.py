@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from multilift import schema
+from multilift import keys, schema
 from multilift.errors import ScenarioError
 from multilift.scenario import Scenario
 
-_KEY = re.compile(r"([a-z_]+(?:\[\d+\])?(?:\.[a-z_]+)+)((?:\[\d+\])*)")
 _PUSH = re.compile(r"push\[(\d+)\]\.([a-z_]+)")
 
 
@@ -136,14 +135,12 @@ class Columns:
         return by_name[name]
 
     def _apply(self, full_key: str, values: NDArray[Any]) -> None:
-        match = _KEY.fullmatch(full_key)
-        key, index = (match[1], match[2]) if match else (full_key, "")
+        key, place = keys.split_index(full_key)
         field = self._field(key)
         try:
             numbers = values.astype(float)
         except (TypeError, ValueError):
             raise self._error(full_key, "holds something that is not a number") from None
-        place = tuple(int(k) for k in re.findall(r"\d+", index))
         if len(place) > len(field.shape) or any(
             k >= n for k, n in zip(place, field.shape, strict=False)
         ):

@@ -25,7 +25,6 @@ inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
 inline double exp(double x) { return std::exp(x); }
-inline double log(double x) { return std::log(x); }
 inline double atan(double x) { return std::atan(x); }
 inline double atan2(double y, double x) { return std::atan2(y, x); }
 inline bool any(bool mask) { return mask; }

@@ -62,6 +62,12 @@ struct State {
     return next;
   }
 
+  /// [bar y, bar z, theta1..3] and their rates, as results carry them.
+  std::array<R, 10> flat() const {
+    return {bar.y,          bar.z,          theta[0],     theta[1],     theta[2],
+            bar_velocity.y, bar_velocity.z, theta_dot[0], theta_dot[1], theta_dot[2]};
+  }
+
   /// World k's state on its own.
   State<lane_scalar_t<R>> world(int k) const {
     State<lane_scalar_t<R>> one{{lane(bar.y, k), lane(bar.z, k)},
