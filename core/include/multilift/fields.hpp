@@ -2,16 +2,19 @@
 // messages, the generated reference page, and the packing into flat arrays.
 //
 // A struct offers `template <class Self, class V> static void visit(Self& self, V&& v)`, which
-// calls `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R>,
-// or a std::array of either; its shape follows from its type and its default from its initialiser.
-// A default of NaN means that the scenario must give the value.
+// calls `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R> or
+// Vec3<R>, or a std::array or std::vector of these; its shape follows from its type and its default
+// from its initialiser. A default of NaN means that the scenario must give the value. A struct with
+// vectors is constructed with the number of vehicles, which is their length.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "multilift/math/vec2.hpp"
+#include "multilift/math/vec3.hpp"
 
 namespace multilift {
 
@@ -46,6 +49,18 @@ void for_each_scalar(const Vec2<R>& member, F&& f) {
   f(member.y);
   f(member.z);
 }
+template <class R, class F>
+void for_each_scalar(Vec3<R>& member, F&& f) {
+  f(member.x);
+  f(member.y);
+  f(member.z);
+}
+template <class R, class F>
+void for_each_scalar(const Vec3<R>& member, F&& f) {
+  f(member.x);
+  f(member.y);
+  f(member.z);
+}
 template <class T, std::size_t N, class F>
 void for_each_scalar(std::array<T, N>& member, F&& f) {
   for (T& entry : member) for_each_scalar(entry, f);
@@ -54,12 +69,20 @@ template <class T, std::size_t N, class F>
 void for_each_scalar(const std::array<T, N>& member, F&& f) {
   for (const T& entry : member) for_each_scalar(entry, f);
 }
+template <class T, class F>
+void for_each_scalar(std::vector<T>& member, F&& f) {
+  for (T& entry : member) for_each_scalar(entry, f);
+}
+template <class T, class F>
+void for_each_scalar(const std::vector<T>& member, F&& f) {
+  for (const T& entry : member) for_each_scalar(entry, f);
+}
 
-/// How many scalars a parameter struct holds.
-template <class P>
-std::size_t count_scalars() {
+/// How many scalars a parameter struct holds; `size` is what it is constructed with, if anything.
+template <class P, class... Size>
+std::size_t count_scalars(Size... size) {
   std::size_t count = 0;
-  P parameters;
+  P parameters(size...);
   P::visit(parameters,
            [&](const Field&, auto& member) { for_each_scalar(member, [&](auto&) { ++count; }); });
   return count;
@@ -83,10 +106,11 @@ struct Rows {
   }
 };
 
-/// Fills a parameter struct from count_scalars<P>() columns of the rows, and moves `column` on.
-template <class P>
-P unpack(const Rows& rows, std::size_t& column) {
-  P parameters;
+/// Fills a parameter struct from count_scalars<P>(size...) columns of the rows, and moves `column`
+/// on.
+template <class P, class... Size>
+P unpack(const Rows& rows, std::size_t& column, Size... size) {
+  P parameters(size...);
   P::visit(parameters, [&](const Field&, auto& member) {
     for_each_scalar(member, [&](auto& scalar) {
       scalar = rows.at<std::remove_reference_t<decltype(scalar)>>(column++);
@@ -95,10 +119,10 @@ P unpack(const Rows& rows, std::size_t& column) {
   return parameters;
 }
 
-/// The same from count_scalars<P>() consecutive numbers, the struct's own or doubles.
-template <class P, class Number>
-P unpack(const Number* values) {
-  P parameters;
+/// The same from count_scalars<P>(size...) consecutive numbers, the struct's own or doubles.
+template <class P, class Number, class... Size>
+P unpack(const Number* values, Size... size) {
+  P parameters(size...);
   P::visit(parameters, [&](const Field&, auto& member) {
     for_each_scalar(member, [&](auto& scalar) { scalar = *values++; });
   });

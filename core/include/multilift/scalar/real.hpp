@@ -8,6 +8,7 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <vector>
 
 // For the functions of the hot loop: GCC's own estimate leaves them as calls, at a third of the
 // speed for lanes.
@@ -55,6 +56,14 @@ void set_lane(R& x, int, const R& share) {
 
 template <class R>
 using mask_t = decltype(std::declval<R>() < std::declval<R>());
+
+/// One mask for each of several things; a struct, since a std::vector of bool packs bits.
+template <class R>
+struct Mask {
+  mask_t<R> is;
+};
+template <class R>
+using Masks = std::vector<Mask<R>>;
 
 template <class R>
 concept Real = std::constructible_from<R, double> && requires(R a, R b) {
