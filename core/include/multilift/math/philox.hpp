@@ -25,16 +25,22 @@ inline PhiloxBlock philox(PhiloxBlock counter, std::array<std::uint32_t, 2> key)
   return counter;
 }
 
-/// Two independent standard normal numbers (Box and Muller) for draw `index` of `stream`.
-inline std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream,
-                                         std::uint64_t index) {
+/// Two independent numbers, uniform on (0, 1), for draw `index` of `stream`.
+inline std::array<double, 2> uniform_pair(std::uint64_t seed, std::uint64_t stream,
+                                          std::uint64_t index) {
   const PhiloxBlock bits =
       philox({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32),
               static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(stream >> 32)},
              {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
-  // Midpoints of 2^32 cells, so that the logarithm never sees 0.
-  const double u = (bits[0] + 0.5) * 0x1p-32;
-  const double angle = 2.0 * std::numbers::pi * ((bits[1] + 0.5) * 0x1p-32);
+  // Midpoints of 2^32 cells, so that no logarithm sees 0.
+  return {(bits[0] + 0.5) * 0x1p-32, (bits[1] + 0.5) * 0x1p-32};
+}
+
+/// Two independent standard normal numbers (Box and Muller) for draw `index` of `stream`.
+inline std::array<double, 2> normal_pair(std::uint64_t seed, std::uint64_t stream,
+                                         std::uint64_t index) {
+  const auto [u, v] = uniform_pair(seed, stream, index);
+  const double angle = 2.0 * std::numbers::pi * v;
   const double radius = std::sqrt(-2.0 * std::log(u));
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }

@@ -8,6 +8,7 @@ enum class Status {
   diverged,     // a number of the state stopped being finite or left all bounds
   slack,        // a cable would carry negative tension: the taut-cable model ends here
   swing_limit,  // an angle reached +-pi/2: the model's assumption 3 ends here
+  collision,    // two vehicles, or a vehicle and another's cable, came too close
 };
 
 inline const char* name_of(Status status) {
@@ -20,6 +21,8 @@ inline const char* name_of(Status status) {
       return "slack";
     case Status::swing_limit:
       return "swing_limit";
+    case Status::collision:
+      return "collision";
   }
   return "unknown";
 }

@@ -12,6 +12,7 @@
 
 #include "multilift/control/planar/measurement.hpp"
 #include "multilift/sim/delay_line.hpp"
+#include "multilift/sim/steps.hpp"
 
 namespace multilift::planar {
 
@@ -84,15 +85,6 @@ Command<R> command_of(const Plant<R>& p, const ThrustAttitude<R>& t) {
     u[i] = {t.thrust[i] * s, t.thrust[i] * c - p.gravity_share(i)};
   }
   return u;
-}
-
-/// A time as a whole number of integration steps, world by world.
-template <Real R>
-std::array<long, static_cast<std::size_t>(lanes_of<R>)> steps_of(const R& time, double step) {
-  std::array<long, static_cast<std::size_t>(lanes_of<R>)> steps{};
-  for (int k = 0; k < lanes_of<R>; ++k)
-    steps[static_cast<std::size_t>(k)] = std::lround(value(lane(time, k)) / step);
-  return steps;
 }
 
 /// u acts as commanded, held until the next control instant.

@@ -8,17 +8,9 @@
 #include "multilift/sim/planar/columns.hpp"
 #include "multilift/sim/planar/loads.hpp"
 #include "multilift/sim/status.hpp"
+#include "multilift/sim/timing.hpp"
 
 namespace multilift::planar {
-
-struct Timing {
-  double step{0.001};     // of the integrator, s
-  long steps{0};          // how many
-  long control_steps{1};  // integration steps in a control period
-  long record_steps{1};   // integration steps between two records
-
-  double control_period() const { return step * static_cast<double>(control_steps); }
-};
 
 /// How one world ended. S is double, or dual numbers where derivatives are wanted.
 template <Real S>

@@ -33,8 +33,8 @@ struct CableEvents {
 };
 
 /// `Ledger` is told of every evaluation that the result is made of: restart() forgets what was not
-/// booked, add(weight, x, instant) has the weight in s, book() keeps it; jump(before, x) comes after
-/// an impact, `before` having the velocities that were.
+/// booked, add(weight, stage, x, instant, surroundings) has the weight in s, book() keeps it;
+/// before_jump(x) and after_jump(x) stand around an impact.
 template <Real R, class Dynamics>
 class Stepper {
  public:
@@ -121,12 +121,13 @@ class Stepper {
                                     const R& h, OutsideAt&& outside_at, Ledger&& ledger) {
     const R half = R(0.5) * h, third = R(1.0 / 3.0) * h, sixth = R(1.0 / 6.0) * h;
     ledger.restart();
-    ledger.add(sixth, x, now_);
+    ledger.add(sixth, Stage::start, x, now_, outside_at(done, Stage::start));
     const auto stage = [&](const X& k, const R& ahead, Stage at, const R& weight) {
       zip([&](R& s, const R& a, const R& b) { s = a + ahead * b; }, stage_, x, k);
-      dynamics_.evaluate(stage_, input, outside_at(done + ahead, at), taut_, later_);
+      const Surroundings<R>& outside = outside_at(done + ahead, at);
+      dynamics_.evaluate(stage_, input, outside, taut_, later_);
       dynamics_.rate(stage_, input, later_, k_);
-      ledger.add(weight, stage_, later_);
+      ledger.add(weight, at, stage_, later_, outside);
     };
     dynamics_.rate(x, input, now_, k1_);
     stage(k1_, half, Stage::middle, third);

@@ -1,0 +1,207 @@
+// Energies of the spatial plant, and the powers that change the storage function of a law.
+//
+// With r the payload's displacement from where it hangs at rest below the vehicles' plain mean,
+// kappa_i = n k_lambda / m_i and h_i the force that cable i asks of its vehicle at rest,
+//
+//     V = kinetic + m_L g x_z - sum h_i . p_i + 1/2 sum eps_i' K_p eps_i + 1/2 d~' Gamma^-1 d~
+//         + n^2 k_lambda (1/2 |r_dot|^2 + g r_z) + sum kappa_i h_i . r + 1/2 c w' J w
+//
+// c being the mean of c_i = n^2 k_lambda / m_L + kappa_i. For two vehicles in a plane this is (49).
+// docs/theory-spatial derives its rate, entry by entry as in Powers.
+#pragma once
+
+#include "multilift/control/spatial/energy_coupled.hpp"
+#include "multilift/model/spatial/dynamics.hpp"
+
+namespace multilift::spatial {
+
+/// What changes the storage function, W; integrated over time, J.
+template <Real R>
+struct Powers {
+  R dissipation{0.0};   // -eps_dot' K_d eps_dot: never positive
+  R internal{0.0};      // cable forces times deformation of the formation
+  R cables{0.0};        // taken up by stretching cables
+  R payload_drag{0.0};  // drag and spin damping of the payload
+  R push{0.0};
+  R contact{0.0};     // of the floor
+  R actuation{0.0};   // eps_dot . (u that acts - u of the law at this instant)
+  R adaptation{0.0};  // estimate held between control instants, against (51)
+  R reference{0.0};   // of a moving reference
+  R impact{0.0};      // cables pulled taut: jumps only
+
+  template <class Self, class V>
+  static void visit(Self& self, V&& v) {
+    v(Field{"dissipation", "J", Range::any, "feedback of the unified error's rate"},
+      self.dissipation);
+    v(Field{"internal_force", "J", Range::any,
+            "cables' forces times the deformation of the formation, and what unequal masses add"},
+      self.internal);
+    v(Field{"cable_stretch", "J", Range::any, "taken up by cables that change their length"},
+      self.cables);
+    v(Field{"payload_drag", "J", Range::any, "drag and spin damping of the payload"},
+      self.payload_drag);
+    v(Field{"push", "J", Range::any, "pushes on vehicles and payload"}, self.push);
+    v(Field{"contact", "J", Range::any, "the floor's forces"}, self.contact);
+    v(Field{"actuation", "J", Range::any,
+            "force that acts less the law's: sampling, delay, loss, limits, attitude loops, noise, "
+            "integral, wrong masses; for a law without a storage function, the work of u"},
+      self.actuation);
+    v(Field{"adaptation", "J", Range::any,
+            "estimate updated at control instants, against (51), and wind; for a law without a "
+            "storage function, the work of the vehicles' drag"},
+      self.adaptation);
+    v(Field{"reference", "J", Range::any, "of a moving reference"}, self.reference);
+    v(Field{"impact", "J", Range::any, "lost or gained where cables are pulled taut"}, self.impact);
+  }
+
+  void add(const R& k, const Powers& w) {
+    dissipation += k * w.dissipation;
+    internal += k * w.internal;
+    cables += k * w.cables;
+    payload_drag += k * w.payload_drag;
+    push += k * w.push;
+    contact += k * w.contact;
+    actuation += k * w.actuation;
+    adaptation += k * w.adaptation;
+    reference += k * w.reference;
+    impact += k * w.impact;
+  }
+  R total() const {
+    return dissipation + internal + cables + payload_drag + push + contact + actuation +
+           adaptation + reference + impact;
+  }
+};
+
+/// What a law's gains amount to for a plant.
+template <Real R>
+struct Coupling {
+  std::vector<R> kappa, c;
+  R swing{0.0};  // n^2 k_lambda
+  R mean_c{0.0};
+
+  Coupling(const Parameters<R>& p, const StorageGains<R>& gains) {
+    const double n = static_cast<double>(p.size());
+    swing = R(n * n) * gains.k_lambda;
+    for (const R& mass : p.vehicle_mass) {
+      kappa.push_back(R(n) * gains.k_lambda / mass);
+      c.push_back(swing / p.payload_mass + kappa.back());
+      mean_c += R(1.0 / n) * c.back();
+    }
+  }
+};
+
+/// Kinetic energy of payload and vehicles as points, J. What vehicles have by turning is their own.
+template <Real R, class V>
+MULTILIFT_INLINE R kinetic_energy(const Plant<R>& p, const State<R, V>& x) {
+  R twice = p.payload_mass * dot(x.payload.velocity, x.payload.velocity) +
+            dot(x.payload.rate, scale(p.payload_inertia, x.payload.rate));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    twice += p.vehicle_mass[i] * dot(x.vehicle[i].velocity, x.vehicle[i].velocity);
+  return R(0.5) * twice;
+}
+
+/// The same with the potential of gravity, J, from z = 0.
+template <Real R, class V>
+R mechanical_energy(const Plant<R>& p, const State<R, V>& x) {
+  R moment = p.payload_mass * x.payload.position.z;
+  for (std::size_t i = 0; i < x.size(); ++i) moment += p.vehicle_mass[i] * x.vehicle[i].position.z;
+  return kinetic_energy(p, x) + p.gravity * moment;
+}
+
+template <Real R, class V>
+MULTILIFT_INLINE Displacement<R> displacement_of(const State<R, V>& x, const Target<R>& target) {
+  Vec3<R> mean{}, mean_rate{};
+  for (const V& vehicle : x.vehicle) {
+    mean += vehicle.position;
+    mean_rate += vehicle.velocity;
+  }
+  const R share(1.0 / static_cast<double>(x.size()));
+  return {x.payload.position - share * mean - target.below,
+          x.payload.velocity - share * mean_rate - target.below_rate};
+}
+
+/// The part of the storage function that the drag estimates make, J.
+template <Real R>
+R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
+                    const std::vector<Vec3<R>>& d_hat) {
+  R twice(0.0);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Vec3<R> error = p.vehicle_drag[i] - d_hat[i];
+    twice += dot(gains.inverse_gamma[i], scale(error, error));
+  }
+  return R(0.5) * twice;
+}
+
+/// The storage function V, J; 0 at rest at the target with the right estimate.
+template <Real R, class V>
+MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& gains,
+                                    const Coupling<R>& coupling, const State<R, V>& x,
+                                    const Target<R>& target, const std::vector<Vec3<R>>& d_hat) {
+  const auto [r, r_dot] = displacement_of(x, target);
+  R potential = p.payload_mass * p.gravity * (x.payload.position.z - target.payload.z);
+  R twice_spring(0.0), leaning(0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
+    const Vec3<R> eps = error - coupling.kappa[i] * r;
+    potential -= dot(target.cable_force[i], error);
+    leaning += coupling.kappa[i] * dot(target.cable_force[i], r);
+    twice_spring += dot(gains.k_p[i], scale(eps, eps));
+  }
+  const R spin = dot(x.payload.rate, scale(p.payload_inertia, x.payload.rate));
+  return kinetic_energy(p, x) + potential + leaning + R(0.5) * twice_spring +
+         estimation_energy(p, gains, d_hat) +
+         coupling.swing * (R(0.5) * dot(r_dot, r_dot) + p.gravity * r.z) +
+         R(0.5) * coupling.mean_c * spin;
+}
+
+template <Real R, class V>
+MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains,
+                                     const Coupling<R>& coupling, const State<R, V>& x,
+                                     const Instant<R>& now, const Surroundings<R>& outside,
+                                     const Target<R>& target, const std::vector<Vec3<R>>& d_hat) {
+  const auto [r, r_dot] = displacement_of(x, target);
+  const R inverse_n(1.0 / static_cast<double>(x.size()));
+  const R one(1.0);
+  const Vec3<R>& omega = x.payload.rate;
+  Vec3<R> mean_rate{};
+  for (const V& vehicle : x.vehicle) mean_rate += vehicle.velocity;
+  mean_rate = inverse_n * mean_rate + target.below_rate;
+
+  Powers<R> w;
+  w.reference = -(p.payload_mass * p.gravity * target.payload_velocity.z) -
+                coupling.swing * dot(r_dot, target.below_acceleration);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3<R>& v = x.vehicle[i].velocity;
+    const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
+    const Vec3<R> eps = error - coupling.kappa[i] * r;
+    const Vec3<R> eps_dot = v - target.vehicle_velocity[i] - coupling.kappa[i] * r_dot;
+    Vec3<R> u = now.thrust[i] - target.cable_force[i];
+    u.z -= p.vehicle_mass[i] * p.gravity;
+    const Vec3<R> compensation = scale(d_hat[i], v);
+    const Vec3<R> drag = -scale(p.vehicle_drag[i], v - outside.wind);
+    const R braking = dot(gains.k_d[i], scale(eps_dot, eps_dot));
+    w.dissipation -= braking;
+    w.actuation += dot(eps_dot, u + scale(gains.k_p[i], eps) - compensation) + braking;
+    w.adaptation += dot(eps_dot, compensation + drag);
+    w.push += dot(eps_dot, outside.vehicle_push[i]);
+    w.contact += dot(eps_dot, now.contact[i]);
+
+    const Vec3<R> others = drag + outside.vehicle_push[i] + now.contact[i];
+    w.reference += dot(target.vehicle_velocity[i], u + others + target.cable_force[i]) -
+                   dot(target.cable_force_rate[i], error - coupling.kappa[i] * r);
+    const Cable<R>& cable = now.cable[i];
+    const R& tension = now.motion.tension[i];
+    w.internal += tension * (coupling.c[i] * dot(cable.direction, v - mean_rate) -
+                             (coupling.c[i] - coupling.mean_c) * dot(omega, cable.moment));
+    w.cables -= (one + coupling.c[i]) * tension * cable.stretch_rate;
+  }
+  const Vec3<R> lever = x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot;
+  const R weight = one + coupling.mean_c;
+  w.payload_drag = dot(lever, now.payload_drag) -
+                   weight * dot(omega, scale(p.payload_spin_damping, omega));
+  w.push += dot(lever, outside.payload_push) + weight * dot(omega, outside.payload_push_torque);
+  w.contact += dot(lever, now.payload_contact) + weight * dot(omega, now.payload_contact_torque);
+  return w;
+}
+
+}  // namespace multilift::spatial
