@@ -27,6 +27,16 @@ nb::tuple shape_of(const std::array<T, N>& member) {
   return nb::tuple(nb::make_tuple(N) + shape_of(member[0]));
 }
 
+template <class R>
+nb::tuple shape_of(const Vec3<R>&) {
+  return nb::make_tuple(3);
+}
+/// A vector's length is the number of vehicles, "n".
+template <class T>
+nb::tuple shape_of(const std::vector<T>& member) {
+  return nb::tuple(nb::make_tuple("n") + shape_of(member.at(0)));
+}
+
 inline const char* name_of(Range range) {
   switch (range) {
     case Range::positive:
@@ -39,11 +49,17 @@ inline const char* name_of(Range range) {
   return "any";
 }
 
-/// [(name, unit, range, shape, defaults, doc), ...] of a self-describing parameter struct.
+/// [(name, unit, range, shape, defaults, doc), ...] of a self-describing parameter struct; one that
+/// is constructed with the number of vehicles gets 1, so that defaults are a single vehicle's.
 template <class P>
 nb::list field_table() {
   nb::list table;
-  P parameters;
+  P parameters = [] {
+    if constexpr (std::is_default_constructible_v<P>)
+      return P();
+    else
+      return P(1);
+  }();
   P::visit(parameters, [&](const Field& field, auto& member) {
     nb::list defaults;
     for_each_scalar(member, [&](auto& scalar) { defaults.append(value(scalar)); });

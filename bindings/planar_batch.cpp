@@ -3,13 +3,8 @@
 // This file is compiled once for each instruction set, each time as an extension module of its own,
 // so that no inline function of one can stand in for another's. The arithmetic is the same in all
 // of them, and so are the bits of the results.
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
-
 #include "planar_rows.hpp"
+#include "run_blocks.hpp"
 
 namespace multilift::bindings {
 
@@ -17,7 +12,7 @@ namespace {
 
 using planar::Push;
 using planar::State;
-using planar::Timing;
+
 
 using R = Lanes<MULTILIFT_LANES>;
 
@@ -112,52 +107,6 @@ class Kernel {
 
   const Job& job_;
 };
-
-/// Hands blocks of lanes to threads; meanwhile the calling thread reports progress and listens for
-/// Ctrl-C about ten times a second.
-template <class RunBlock>
-void run_blocks(std::size_t worlds, unsigned threads, const nb::object& progress,
-                const RunBlock& run_block) {
-  std::atomic<std::size_t> next{0}, done{0};
-  std::atomic<bool> cancelled{false};
-  std::atomic<unsigned> running{threads};
-  std::mutex mutex;
-  std::condition_variable finished;
-  const auto work = [&] {
-    for (;;) {
-      const std::size_t first = next.fetch_add(MULTILIFT_LANES);
-      if (first >= worlds || cancelled) break;
-      run_block(first);
-      done += std::min<std::size_t>(MULTILIFT_LANES, worlds - first);
-    }
-    const std::lock_guard lock(mutex);
-    if (--running == 0) finished.notify_all();
-  };
-  std::vector<std::thread> pool;
-  const auto stop = [&] {
-    cancelled = true;
-    nb::gil_scoped_release unlock;
-    for (std::thread& thread : pool) thread.join();
-    pool.clear();
-  };
-  for (unsigned k = 0; k < threads; ++k) pool.emplace_back(work);
-  try {
-    for (bool over = false; !over;) {
-      {
-        nb::gil_scoped_release unlock;
-        std::unique_lock lock(mutex);
-        over =
-            finished.wait_for(lock, std::chrono::milliseconds(100), [&] { return running == 0; });
-      }
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (!progress.is_none()) progress(done.load());
-    }
-  } catch (...) {
-    stop();
-    throw;
-  }
-  stop();
-}
 
 void run(const std::string& law, const Array2<const double>& rows,
          const Array1<const std::uint64_t>& seeds, const std::vector<PushTuple>& pushes,

@@ -10,7 +10,7 @@ namespace multilift::bindings {
 namespace {
 
 using planar::Seven;
-using planar::Timing;
+
 
 /// Directions in one rollout: as many as a vector register holds.
 constexpr int directions = MULTILIFT_LANES;

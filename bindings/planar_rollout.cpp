@@ -20,7 +20,7 @@ using Push = planar::Push<double>;
 using planar::Sample;
 using planar::Seven;
 using planar::State;
-using planar::Timing;
+
 using Values = std::vector<double>;
 
 /// A law written in Python: called with time, q, q_dot and saturation flags, answers u1..u4.

@@ -15,7 +15,7 @@ namespace {
 
 using planar::join_seven;
 using planar::Stepping;
-using planar::Timing;
+
 
 using R = Lanes<MULTILIFT_LANES>;
 constexpr auto width = static_cast<std::size_t>(MULTILIFT_LANES);
