@@ -41,7 +41,7 @@ def value(field: Field) -> str:
     bound = {"positive": "> 0", "non_negative": "≥ 0", "any": ""}[field.range]
     text = f"{bound} {unit(field.unit)}".strip() or "a number"
     if field.kind == "whole":
-        text = f"{field.least} to {field.most}"
+        text = f"{field.least} to {field.most}" + f", {field.size} in shapes" * bool(field.size)
     count = "list" if field.kind == "list" else " × ".join(map(str, field.shape))
     return (f"{text} ({count})" if count else text).replace(" ", NBSP)
 
@@ -71,9 +71,10 @@ def default(field: Field) -> str:
         return "`false`" if not field.default else "`true`"
     if field.kind == "text":
         return f"`{field.default}`"
-    numbers = set(np.ravel(field.default).tolist())
-    assert len(numbers) == 1, f"{field.name}: defaults differ, show them one by one"
-    number = numbers.pop()
+    numbers = np.ravel(field.default).tolist()
+    if len(set(numbers)) > 1:
+        return ", ".join(f"{x:g}" for x in numbers)
+    number = numbers[0]
     if math.isinf(number):
         return "no limit"
     return "π/2" if math.isclose(number, math.pi / 2) else f"{number:g}"

@@ -43,7 +43,8 @@ class Field:
         doc: meaning, one phrase.
         choices: permitted texts, if limited; "vehicle_{n}" stands for vehicle_1, vehicle_2, ... of
             a size n.
-        least, most: bounds of a whole number.
+        least: bound of a whole number.
+        most: the same from above.
         size: name of the size that a whole number says.
         symbolic: in a resolved field, the shape before, as people read it.
     """

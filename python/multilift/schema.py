@@ -93,10 +93,16 @@ def _as_table(values: Any, where: str, prefix: str) -> Mapping[str, Any]:
 
 
 def core_fields(table: Iterable[tuple[Any, ...]]) -> tuple[Field, ...]:
-    """Fields as the compiled core describes them; the ones without defaults are required."""
+    """Fields as the compiled core describes them; the ones without defaults are required.
+
+    Where a shape holds the name of a size, the defaults are one number, or those of the dimensions
+    behind it: three of ("n", 3).
+    """
     fields = []
     for name, unit, bound, shape, defaults, doc in table:
-        array = np.array(defaults).reshape(shape)
+        names = [k for k, n in enumerate(shape) if isinstance(n, str)]
+        known = tuple(shape[names[-1] + 1 :]) if names else tuple(shape)
+        array = np.array(defaults).reshape(() if names and len(defaults) == 1 else known)
         required = bool(np.isnan(array).any())
         fields.append(
             Field(

@@ -188,7 +188,7 @@ class Model(ABC):
         """Simulates worlds of one clock and one kind with the batch kernel.
 
         Args:
-            kernel: of :func:`multilift.isa.kernel`.
+            kernel: of `multilift.isa.kernel`.
             columns: the numbers of all worlds.
             worlds: which to run.
             steps: their times in integration steps.
@@ -201,23 +201,21 @@ class Model(ABC):
             ScenarioError: for a world that turns out impossible as its start is worked out.
         """
 
-    # Figures, pages and analysis: where there is none, one clear error says so.
+    # Figures, pages and analysis.
 
+    @abstractmethod
     def overview(self, runs: Sequence[Run]) -> Figure:
-        """One figure of runs of one scenario; saved with every run."""
-        raise self.lacks("has no overview figure", runs[0].scenario)
+        """One figure of runs of one scenario, saved with every run; see `multilift.plot.stack`."""
 
     def view(self) -> View:
-        """What the report's animation and curves show of a run."""
+        """What the report's animation and curves show of a run, if the model has such a page."""
         raise NotImplementedError(f"the model {self.name!r} has no report page")
 
     def closed_loop_matrix(self, scenario: Scenario) -> NDArray[np.float64]:
-        """See `multilift.linear.closed_loop_matrix`."""
-        raise self.lacks("has no linearisation", scenario)
-
-    def lacks(self, what: str, scenario: Scenario) -> ScenarioError:
-        """The error for something that this model does not offer."""
-        return ScenarioError(what, where=scenario.where, key="plant.model", value=self.name)
+        """See `multilift.linear.closed_loop_matrix`; not every model has one."""
+        raise ScenarioError(
+            "has no linearisation", where=scenario.where, key="plant.model", value=self.name
+        )
 
 
 def names() -> tuple[str, ...]:
