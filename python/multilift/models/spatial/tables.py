@@ -129,7 +129,8 @@ SAFETY = Table(
 ASSUMED = Table(
     "controller.assumed",
     "the plant as the law believes it to be; by default the true one",
-    PLANT.fields,
+    # How many vehicles there are, [plant] alone says.
+    tuple(replace(f, size="") for f in PLANT.fields),
     follows="plant",
 )
 PUSH = Table(
