@@ -197,8 +197,8 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   }
   const Vec3<R> lever = x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot;
   const R weight = one + coupling.mean_c;
-  w.payload_drag = dot(lever, now.payload_drag) -
-                   weight * dot(omega, scale(p.payload_spin_damping, omega));
+  w.payload_drag =
+      dot(lever, now.payload_drag) - weight * dot(omega, scale(p.payload_spin_damping, omega));
   w.push += dot(lever, outside.payload_push) + weight * dot(omega, outside.payload_push_torque);
   w.contact += dot(lever, now.payload_contact) + weight * dot(omega, now.payload_contact_torque);
   return w;

@@ -1,4 +1,5 @@
-// One spatial run: plant, law, link, autopilots and motion capture stepped together at a fixed step.
+// One spatial run: plant, law, link, autopilots and motion capture stepped together at a fixed
+// step.
 #pragma once
 
 #include <utility>
@@ -146,8 +147,8 @@ class Rollout {
     for (const Vec3<R>& force : formation.cable_force) {
       const R size = norm(force);
       const R zero(0.0);
-      directions.push_back(select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force,
-                                     {zero, zero, R(1.0)}));
+      directions.push_back(
+          select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force, {zero, zero, R(1.0)}));
     }
     return directions;
   }

@@ -13,7 +13,8 @@
 
 namespace multilift::spatial {
 
-/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a millisecond.
+/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a
+/// millisecond.
 inline constexpr int event_halvings = 20;
 /// A slack cable this much longer than its rest length counts as pulled taut, m.
 inline constexpr double contact_tolerance = 1e-7;
