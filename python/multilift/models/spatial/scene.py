@@ -41,7 +41,7 @@ def scene(run: SpatialRun) -> Scene:
         vehicles=_vehicles(run, broken["vehicle_lost"]),
         cables=_cables(run, broken["cable_cut"]),
         pushes=_pushes(run),
-        events=_events(run),
+        events=events(run),
         floor=values["ground"]["height"] if values["ground"]["present"] else None,
     )
 
@@ -102,12 +102,13 @@ def _pushes(run: SpatialRun) -> list[Push]:
     ]
 
 
-def _events(run: SpatialRun) -> list[Event]:
-    events = []
+def events(run: SpatialRun) -> list[Event]:
+    """What happened to a run, in order of time."""
+    found = []
     for push in run.scenario["push"]:
         size = float(np.linalg.norm(push["force"]))
         what = f"push of {size:.3g} N" if size else "twist"
-        events.append(Event(push["start"], "push", f"{what} on {push['body'].replace('_', ' ')}"))
+        found.append(Event(push["start"], "push", f"{what} on {push['body'].replace('_', ' ')}"))
     for event in run.scenario["event"]:
         k = body_index(event["vehicle"]) + 1
         text = {
@@ -115,7 +116,7 @@ def _events(run: SpatialRun) -> list[Event]:
             "rotor_stopped": f"rotor {event['rotor']} of vehicle {k} stops",
             "vehicle_lost": f"vehicle {k} lost",
         }[event["kind"]]
-        events.append(Event(event["time"], "broken", text))
+        found.append(Event(event["time"], "broken", text))
     if not run.finished:
-        events.append(Event(run.end_time, "end", run.scenario.model.reason(run.status, run.culprit)))
-    return sorted((e for e in events if e.time <= run.end_time), key=lambda e: e.time)
+        found.append(Event(run.end_time, "end", run.scenario.model.reason(run.status, run.culprit)))
+    return sorted((e for e in found if e.time <= run.end_time), key=lambda e: e.time)
