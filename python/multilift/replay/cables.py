@@ -53,8 +53,10 @@ def hanging(top: Array, length: float, floor: float | None) -> Array:
 
 def _ratio(wanted: float) -> float:
     """The u > 0 with sinh(u) / u = wanted > 1."""
-    u = math.sqrt(6.0 * (wanted - 1.0)) if wanted < 3.0 else math.log(2.0 * wanted) + math.log(
-        math.log(2.0 * wanted)
+    u = (
+        math.sqrt(6.0 * (wanted - 1.0))
+        if wanted < 3.0
+        else math.log(2.0 * wanted) + math.log(math.log(2.0 * wanted))
     )
     u = max(u, 1e-6)
     for _ in range(20):

@@ -39,22 +39,32 @@ const Camera = (() => {
       }[name];
       Object.assign(this, { yaw, pitch, named: name });
       this.target = Vec.mix(this.box[0], this.box[1], 0.5);
-      this.place();
-      this.distance = this.fitting();
+      this.distance = 2 * Vec.norm(Vec.sub(this.box[1], this.box[0]));
+      for (let k = 0; k < 6; ++k) this.fit();
       this.place();
     }
 
-    /** Far enough back that every corner of the box is in the picture, m. */
-    fitting() {
-      const aspect = Math.max(0.3, this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
-      const up = 2.1; // focal length in half heights, as in `place`
-      let distance = 1;
+    /** Brings the box nearer to the middle of the picture, and to nearly all of its size. */
+    fit() {
+      this.place();
+      if (!(this.width > 0 && this.height > 0)) return;
+      const least = [Infinity, Infinity], most = [-Infinity, -Infinity];
       for (let k = 0; k < 8; ++k) {
         const corner = [0, 1, 2].map((axis) => this.box[(k >> axis) & 1][axis]);
-        const [x, y, z] = this.seen(Vec.sub(corner, this.target));
-        distance = Math.max(distance, (Math.abs(y) * up) / 0.86 - z, (Math.abs(x) * up) / (0.9 * aspect) - z);
+        const place = this.project(corner);
+        if (!place) {
+          this.distance *= 2;
+          return;
+        }
+        [0, 1].forEach((i) => {
+          least[i] = Math.min(least[i], place[i]);
+          most[i] = Math.max(most[i], place[i]);
+        });
       }
-      return distance;
+      const k = this.distance / this.focal;
+      const [dx, dy] = [(least[0] + most[0] - this.width) / 2, (least[1] + most[1] - this.height) / 2];
+      this.target = Vec.add(this.target, Vec.add(Vec.scale(k * dx, this.right), Vec.scale(-k * dy, this.up)));
+      this.distance *= Math.max((most[0] - least[0]) / (0.9 * this.width), (most[1] - least[1]) / (0.88 * this.height));
     }
 
     /** A direction's parts along right, up and towards away from the eye. */

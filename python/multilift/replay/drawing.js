@@ -42,10 +42,11 @@ class Drawing {
     this.labels.forEach((draw) => draw());
   }
 
-  stroke(points, colour, width, dash = []) {
+  stroke(points, colour, width, dash = [], cap = "round") {
     const { c } = this;
     c.strokeStyle = colour;
     c.lineWidth = width;
+    c.lineCap = cap;
     c.setLineDash(dash);
     c.beginPath();
     let last = null;
@@ -95,7 +96,7 @@ class Drawing {
       if (!p) return;
       const { c } = this;
       c.font = `600 ${size}px ${Drawing.FONT}`;
-      c.textAlign = "center";
+      c.textAlign = dx > 0 ? "left" : "center";
       c.textBaseline = "middle";
       c.lineWidth = 3;
       c.strokeStyle = this.colour.paper;

@@ -101,8 +101,8 @@ const Picture = (() => {
           const a = Vec.mix(...ends, k / 8), b = Vec.mix(...ends, (k + 1) / 8);
           const width = Math.max(5, this.pixels(2 * radius, a));
           this.later(Vec.mix(a, b, 0.5), () => {
-            this.stroke([a, b], ink, width + 1.5);
-            this.stroke([a, b], body, width - 1);
+            this.stroke([a, b], ink, width + 1.5, [], "butt");
+            this.stroke([a, b], body, width - 1, [], "butt");
           });
         }
         return undefined;
@@ -132,7 +132,6 @@ const Picture = (() => {
         const next = (k + 1) % top.length;
         faces.push([p, top[next], bottom[next], bottom[k]]);
       });
-      const centre = Vec.scale(1 / faces.length, faces.map((face) => face[0]).reduce(Vec.add));
       // Only faces towards the eye, as one item, so that the plate is never torn apart.
       this.later(place, () => {
         for (const face of faces) {
@@ -143,7 +142,7 @@ const Picture = (() => {
           this.fill(face, `color-mix(in srgb, ${body} ${Math.round(55 + 45 * light)}%, ${ink})`, ink, 1);
         }
       });
-      return centre;
+      return undefined;
     }
 
     vehicle(vehicle, k) {
@@ -181,7 +180,7 @@ const Picture = (() => {
       if (this.show.arrows && !lost && Vec.norm(thrust) > 1e-9) {
         this.arrow(place, Vec.add(place, Vec.scale(this.scene.thrustScale, thrust)), this.colour.thrust, 2.2);
       }
-      this.label(place, lost ? `${k + 1} lost` : String(k + 1), lost ? alarm : ink, 0, -4 - Math.max(10, this.pixels(1.2 * r, place)));
+      this.label(place, lost ? `${k + 1} lost` : String(k + 1), lost ? alarm : ink, 6 + this.pixels(0.5 * r, place), -8);
     }
 
     cable(cable, k) {
@@ -195,8 +194,8 @@ const Picture = (() => {
       for (let k = 1; k < points.length; ++k) {
         const piece = [points[k - 1], points[k]];
         this.later(Vec.mix(...piece, 0.5), () => {
-          if (!loose) this.stroke(piece, this.colour.ink, 4.2);
-          this.stroke(piece, colour, loose ? 1.8 : 3, cut ? [4, 4] : []);
+          if (!loose) this.stroke(piece, this.colour.ink, 4.2, [], "butt");
+          this.stroke(piece, colour, loose ? 1.8 : 3, cut ? [4, 4] : [], loose ? "round" : "butt");
         });
       }
     }
@@ -215,8 +214,12 @@ const Picture = (() => {
         const place = push.body < 0 ? this.at.payload : this.at.vehicles[push.body].place;
         const size = Vec.norm(force);
         if (size > 0) {
-          const tail = Vec.sub(place, Vec.scale(this.scene.pushScale, force));
-          this.arrow(tail, place, this.colour.alarm, 3.5);
+          // Up to the body's surface, where a hand would push.
+          const along = Vec.scale(1 / size, force);
+          const reach = push.body < 0 ? Math.max(...this.scene.payload.points.map((p) =>
+            -Vec.dot(Vec.turn(this.at.attitude, p), along)), this.scene.payload.radius) : 0;
+          const tip = Vec.sub(place, Vec.scale(reach, along));
+          this.arrow(Vec.sub(tip, Vec.scale(this.scene.pushScale, force)), tip, this.colour.alarm, 3.5);
         }
         this.label(place, size > 0 ? `push ${size.toFixed(1)} N` : "push over", this.colour.alarm, 0, 22);
       }

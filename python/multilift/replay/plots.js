@@ -128,9 +128,10 @@ class Plot {
     const { lines, digits } = this.spec;
     this.value.replaceChildren(...lines.slice(0, 8).map(({ name, colour, values }) => {
       const now = values[this.track.k];
-      const value = document.createElement("span");
-      if (colour) value.style.setProperty("--key", colour);
-      value.textContent = `${name}${name && " "}${Number.isFinite(now) ? now.toFixed(digits) : "–"}`;
+      const value = document.createElement("span"), key = document.createElement("b");
+      if (colour) key.style.background = colour;
+      key.textContent = name;
+      value.append(...(name ? [key, " "] : []), Number.isFinite(now) ? now.toFixed(digits) : "–");
       return value;
     }));
   }
