@@ -1,10 +1,9 @@
-"""The command line: ``multilift run | study | reproduce | check | scenarios | bench``."""
+"""The command line: ``multilift run | study | view | reproduce | check | scenarios | bench``."""
 
 from __future__ import annotations
 
 import math
 import sys
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,8 +13,10 @@ from rich.markup import escape
 from rich.table import Table
 
 import multilift as ml
-from multilift import library, models, storage
+from multilift import library, storage
+from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
+from multilift.options import ControllerOption, ForceOption, SetOption, load_changed
 from multilift.run import Run
 
 EXIT_BAD_INPUT = 2
@@ -41,24 +42,6 @@ _err = Console(stderr=True)
 
 ScenarioArgument = Annotated[
     str, typer.Argument(help="A scenario file, or the name of a shipped one.", metavar="SCENARIO")
-]
-ControllerOption = Annotated[
-    str | None,
-    typer.Option(
-        "--controller",
-        "-c",
-        help=f"Law to fly instead of the scenario's: {', '.join(models.law_names())}, or "
-        "FILE.py:NAME for your own.",
-    ),
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", "-s", metavar="KEY=VALUE", help="Change a value, as in TOML. May be repeated."
-    ),
-]
-ForceOption = Annotated[
-    bool, typer.Option("--force", "-f", help="Replace an earlier result of multilift there.")
 ]
 
 
@@ -94,7 +77,7 @@ def run(
     """Simulate one scenario; print its metrics and energy audit."""
     if output is not None:
         storage.check_target(output, force=force)
-    result = ml.simulate(_load(scenario, changes), controller)
+    result = ml.simulate(load_changed(scenario, changes), controller)
     _print_run(result)
     if output is not None:
         result.save(output, force=force)
@@ -102,6 +85,12 @@ def run(
     if not result.finished:
         _err.print(f"[bold yellow]ended early:[/] {escape(result.ending)}")
         raise typer.Exit(EXIT_ENDED_EARLY)
+
+
+app.command(
+    epilog="Examples:  multilift view platform_turn  |  multilift view out/run --page run.html  |  "
+    "multilift view cable_cut --gif cut.gif --save cut.rrd"
+)(view)
 
 
 @app.command(
@@ -231,7 +220,7 @@ def check(
     failed = False
     for name in scenarios:
         try:
-            scenario = _load(name, changes)
+            scenario = load_changed(name, changes)
         except ScenarioError as error:
             failed = True
             _err.print(f"[bold red]wrong[/] {escape(str(error))}", highlight=False, soft_wrap=True)
@@ -268,25 +257,6 @@ def bench(
     from multilift import bench as benchmarks  # noqa: PLC0415 - loads MuJoCo if installed
 
     benchmarks.print_rows(benchmarks.run_benchmarks(repetitions), _out)
-
-
-def _load(name: str, changes: list[str] | None) -> ml.Scenario:
-    scenario = ml.load(name)
-    if not changes:
-        return scenario
-    return scenario.with_values(dict(_parse_change(change) for change in changes))
-
-
-def _parse_change(text: str) -> tuple[str, Any]:
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip():
-        raise ScenarioError(
-            f"{text!r} is not KEY=VALUE", where="--set", advice="such as controller.k_lambda=0.8"
-        )
-    try:
-        return key.strip(), tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return key.strip(), value.strip()  # a bare word is a text
 
 
 def _print_run(result: Run) -> None:

@@ -46,7 +46,6 @@ class Run:
         scenario: Scenario,
         law: CompiledLaw | PythonLaw | SavedLaw,
         result: dict[str, Any],
-    
     ) -> None:
         self.scenario = scenario
         self.controller = law.name
@@ -56,12 +55,10 @@ class Run:
         self.end_time = float(result["end_time"])
         self.metrics: dict[str, float] = dict(result["metrics"])
         self.audit: dict[str, float] = dict(result["audit"])
-        self._columns: dict[str, NDArray[np.float64]] = result.get("columns") or {
-            name: column
-            for name, column in zip(
-                self.quantities.columns, np.asarray(result["samples"]).T, strict=True
-            )
-        }
+        columns = result.get("columns")  # where they were saved
+        if columns is None:
+            columns = zip(self.quantities.columns, np.asarray(result["samples"]).T, strict=True)
+        self._columns: dict[str, NDArray[np.float64]] = dict(columns)
         if isinstance(law, PythonLaw):
             for name in self.quantities.law_columns:  # of what a law of one's own does not tell
                 del self._columns[name]

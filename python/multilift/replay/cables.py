@@ -16,7 +16,8 @@ def sagging(foot: Array, top: Array, length: float, pieces: int = 16) -> Array:
     The catenary whose arc is `length` long; straight where the ends are at least so far apart.
 
     Args:
-        foot, top: its ends, shape (3,), m.
+        foot: its end at the payload, shape (3,), m.
+        top: its end at the vehicle.
         length: m.
         pieces: of the line.
     """

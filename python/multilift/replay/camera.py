@@ -17,7 +17,7 @@ class Camera:
     """
 
     def __init__(self, box: Array, yaw: float, pitch: float, width: float, height: float) -> None:
-        """Looks from `yaw` about z and `pitch` above the horizon, rad, at `box`, shape (2, 3), m."""
+        """Looks from `yaw` about z, `pitch` above the horizon, rad, at `box`, (2, 3), m."""
         self.width, self.height = width, height
         self.focal = 1.05 * height
         c, s = np.cos(pitch), np.sin(pitch)
