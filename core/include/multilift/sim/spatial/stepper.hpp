@@ -93,7 +93,10 @@ class Stepper {
       for (int event = 0; event < most_events; ++event) {
         runge_kutta(x, input, done, left, outside_at, ledger);
         const mask_t<R> breach = breach_at(trial_);
-        if (!any(breach)) break;
+        if (!any(breach)) {
+          accept(x, ledger);
+          return;
+        }
         const R piece = time_of_event(x, input, done, left, breach, outside_at, ledger);
         accept(x, ledger);
         change(x, breach, ledger);
