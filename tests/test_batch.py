@@ -10,7 +10,8 @@ import time
 import multilift as ml
 import numpy as np
 import pytest
-from multilift import isa, quantities
+from multilift import isa
+from multilift.models.planar import quantities
 
 WORLDS = 37  # no multiple of any number of lanes
 RNG = np.random.default_rng(7)

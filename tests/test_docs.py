@@ -9,7 +9,7 @@ from pathlib import Path
 
 import multilift as ml
 import pytest
-from multilift import quantities, schema
+from multilift import models
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -98,25 +98,25 @@ def test_scenario_reference_has_every_key(generated):
     values = ml.load("sim1").values
     assert {"schema", *(k for k, v in values.items() if isinstance(v, str))} <= rows(reference)
 
-    in_tables = rows(generated["scenario-tables.md"])
+    model = models.by_name("planar")
+    in_tables = rows(generated["planar/scenario-tables.md"])
     for name in (k for k, v in values.items() if isinstance(v, (dict, list))):
-        assert f"[{name}]" in generated["scenario-tables.md"] + reference
+        assert f"[{name}]" in generated["planar/scenario-tables.md"] + reference
         if isinstance(values[name], dict) and name != "controller":
             assert set(values[name]) <= in_tables
-    assert {f.name for f in schema.PUSH.fields} <= in_tables
-    for law in schema.LAW_TITLES:
-        assert {f.name for f in schema.controller_table(law).fields} <= rows(
-            generated["law-tables.md"]
+    assert {f.name for f in model.tables["push"].fields} <= in_tables
+    for law in model.laws:
+        assert {f.name for f in model.controller_table(law).fields} <= rows(
+            generated["planar/law-tables.md"]
         )
 
 
 def test_reference_has_every_column_metric_and_audit_entry(generated):
-    for table, file in (
-        (quantities.COLUMNS, "columns.md"),
-        (quantities.METRICS, "metrics.md"),
-        (quantities.AUDIT, "audit.md"),
-    ):
-        assert rows(generated[file]) == set(table)
+    for name in models.names():
+        described = models.by_name(name).described
+        assert rows(generated[f"{name}/columns.md"]) == set(described.columns)
+        assert rows(generated[f"{name}/metrics.md"]) == set(described.metrics)
+        assert rows(generated[f"{name}/audit.md"]) == set(described.audit)
 
 
 def test_every_generated_file_is_on_a_page(generated):

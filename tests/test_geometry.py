@@ -3,7 +3,8 @@
 import multilift as ml
 import numpy as np
 import pytest
-from multilift import _core, geometry
+from multilift import _core
+from multilift.models.planar import geometry
 
 SIM1 = ml.load("sim1")
 

@@ -5,9 +5,10 @@ import itertools
 import multilift as ml
 import numpy as np
 import pytest
-from multilift import quantities
-from multilift.gradient import FINAL_STATE, WITHOUT_DERIVATIVE, _layout, _tangent
+from multilift.gradient import WITHOUT_DERIVATIVE, _layout, _tangent
 from multilift.isa import VARIABLE, available
+from multilift.models.planar import quantities
+from multilift.models.planar.quantities import FINAL_STATE
 
 # Unlike numbers everywhere, so that no derivative is zero or right by symmetry. The half sine
 # begins and ends between the integrator's instants: at them its derivative has a kink.

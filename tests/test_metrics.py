@@ -3,7 +3,7 @@
 import multilift as ml
 import numpy as np
 import pytest
-from multilift import quantities
+from multilift.models.planar import quantities
 from planar_runs import COMPILED, SHIPPED, UNLIKE, at_every_step, commands, coordinates
 
 SWING_BAND, POSITION_BAND = 1.0, 0.02  # deg, m

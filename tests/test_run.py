@@ -6,7 +6,7 @@ import multilift as ml
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from multilift import quantities
+from multilift.models.planar import quantities
 
 RUN = ml.simulate(ml.load("sim1").with_values({"simulation.duration": 2.0}))
 

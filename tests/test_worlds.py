@@ -6,8 +6,8 @@ import multilift as ml
 import numpy as np
 import pytest
 from multilift import _core
-from multilift.controllers import Measurement
 from multilift.isa import available
+from multilift.models.planar.laws import Measurement
 from planar_runs import commands, coordinates, rates
 
 SETS = available()

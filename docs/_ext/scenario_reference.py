@@ -1,25 +1,27 @@
-"""The tables of the scenario reference, from the schema that checks scenario files.
+"""The tables of the scenario reference, from the tables that check scenario files.
 
-Run by Sphinx, it writes ``docs/generated/``; the pages include what it writes.
+Run by Sphinx, it writes ``docs/generated/``, a folder for each model; the pages include what it
+writes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from multilift import quantities, schema
+from multilift import models
+from multilift.fields import UNIT_SCALES, Field
+from multilift.models import Model
 from multilift.quantities import Quantity
-from multilift.schema import Field, Table
+from multilift.schema import Table, controller_fields
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 NBSP = "\N{NO-BREAK SPACE}"
-TABLES = (*schema.TABLES.values(), schema.PUSH)
 
 
 def grid(heads: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -33,13 +35,21 @@ def grid(heads: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 def value(field: Field) -> str:
     """What may be given, short: range and unit, and how many in parentheses."""
     if field.kind == "text":
-        return ", ".join(f"`{c}`" for c in field.choices) if field.choices else "a text"
+        return ", ".join(map(choice, field.choices)) if field.choices else "a text"
     if field.kind == "flag":
         return "`true`, `false`"
     bound = {"positive": "> 0", "non_negative": "≥ 0", "any": ""}[field.range]
     text = f"{bound} {unit(field.unit)}".strip() or "a number"
+    if field.kind == "whole":
+        text = f"{field.least} to {field.most}" + f", {field.size} in shapes" * bool(field.size)
     count = "list" if field.kind == "list" else " × ".join(map(str, field.shape))
     return (f"{text} ({count})" if count else text).replace(" ", NBSP)
+
+
+def choice(text: str) -> str:
+    """A permitted text; one for each of a size n where it ends with it."""
+    head, brace, size = text.rstrip("}").partition("{")
+    return f"`{head}1` … `{head}{size}`" if brace else f"`{text}`"
 
 
 def unit(text: str) -> str:
@@ -57,13 +67,12 @@ def default(field: Field) -> str:
         return "**required**".replace("*", "\0")
     if field.default is None:
         return "–"
-    if field.kind == "flag":
-        return "`false`" if not field.default else "`true`"
-    if field.kind == "text":
-        return f"`{field.default}`"
-    numbers = set(np.ravel(field.default).tolist())
-    assert len(numbers) == 1, f"{field.name}: defaults differ, show them one by one"
-    number = numbers.pop()
+    if field.kind in ("flag", "text"):
+        return f"`{field.default}`".replace("True", "true").replace("False", "false")
+    numbers = np.ravel(field.default).tolist()
+    if len(set(numbers)) > 1:
+        return ", ".join(f"{x:g}" for x in numbers)
+    number = numbers[0]
     if math.isinf(number):
         return "no limit"
     return "π/2" if math.isclose(number, math.pi / 2) else f"{number:g}"
@@ -78,23 +87,31 @@ def sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def section(table: Table) -> str:
-    name = "[[push]]" if table is schema.PUSH else f"[{table.name}]"
-    anchor = f"(table-{table.name})="
-    return f"{anchor}\n## `{name}`\n\n{sentence(table.doc)}\n\n{field_table(table.fields)}\n"
+def section(model: Model, table: Table) -> str:
+    name = f"[[{table.name}]]" if table.repeated else f"[{table.name}]"
+    anchor = f"(table-{model.name}-{table.name})="
+    parts = [f"{anchor}\n### `{name}`", sentence(table.doc)]
+    if table.follows:
+        parts.append(f"The keys of [`[{table.follows}]`](#table-{model.name}-{table.follows}).")
+    else:
+        parts.append(field_table(table.fields))
+    return "\n\n".join(parts) + "\n"
 
 
-def scenario_tables() -> str:
-    """Every table of a scenario file but the controller's."""
-    return "\n".join(section(table) for table in TABLES)
+def scenario_tables(model: Model) -> str:
+    """Every table of a scenario file but the controller's and those inside it."""
+    tables = [t for t in model.tables.values() if not t.name.startswith("controller.")]
+    return "\n".join(section(model, table) for table in tables)
 
 
-def law_tables() -> str:
-    """The controller's common keys, then each law's gains."""
-    parts = [field_table(schema.CONTROLLER_COMMON)]
-    for law, title in schema.LAW_TITLES.items():
-        parts.append(f'### `law = "{law}"`\n\n{sentence(title)}')
-        parts.append(field_table(schema.gain_fields(law)))
+def law_tables(model: Model) -> str:
+    """The controller's common keys, each law's gains, and the tables inside the controller's."""
+    parts = [field_table(controller_fields(tuple(model.laws)))]
+    for name, law in model.laws.items():
+        parts.append(f'#### `law = "{name}"`\n\n{sentence(law.title)}')
+        parts.append(field_table(law.gains))
+    inside = [t for t in model.tables.values() if t.name.startswith("controller.")]
+    parts += [section(model, table).rstrip() for table in inside]
     return "\n\n".join(parts) + "\n"
 
 
@@ -102,33 +119,41 @@ def unit_table() -> str:
     """Which units a text may carry."""
     rows = [
         (f"`{base}`", ", ".join(f"`{name}`" for name in scales))
-        for base, scales in schema.UNIT_SCALES.items()
+        for base, scales in UNIT_SCALES.items()
     ]
     return grid(("unit of the key", "a text may also say"), rows) + "\n"
 
 
-def quantity_table(table: dict[str, Quantity]) -> str:
+def quantity_table(table: Mapping[str, Quantity]) -> str:
     rows = [(f"`{q.name}`", unit(q.unit), powers(q.doc)) for q in table.values()]
     return grid(("name", "unit", "meaning"), rows) + "\n"
 
 
-def pages() -> dict[str, str]:
-    """Content of each generated file by its name."""
+def model_pages(model: Model) -> dict[str, str]:
+    """Content of a model's generated files by name."""
+    names = model.described
     return {
-        "scenario-tables.md": scenario_tables(),
-        "law-tables.md": law_tables(),
-        "units.md": unit_table(),
-        "columns.md": quantity_table(quantities.COLUMNS),
-        "metrics.md": quantity_table(quantities.METRICS),
-        "audit.md": quantity_table(quantities.AUDIT),
+        "scenario-tables.md": scenario_tables(model),
+        "law-tables.md": law_tables(model),
+        "columns.md": quantity_table(names.columns),
+        "metrics.md": quantity_table(names.metrics),
+        "audit.md": quantity_table(names.audit),
     }
+
+
+def pages() -> dict[str, str]:
+    """Content of each generated file by its path below ``docs/generated``."""
+    result = {"units.md": unit_table()}
+    for model in map(models.by_name, models.names()):
+        result |= {f"{model.name}/{name}": text for name, text in model_pages(model).items()}
+    return result
 
 
 def write(app: Sphinx) -> None:
     folder = Path(app.srcdir) / "generated"
-    folder.mkdir(exist_ok=True)
     for name, content in pages().items():
         file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
         if not file.exists() or file.read_text(encoding="utf-8") != content:
             file.write_text(content, encoding="utf-8")
 

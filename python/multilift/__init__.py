@@ -11,7 +11,6 @@ World axes are y (right) and z (up); SI units and radians inside, degrees only w
 from importlib.metadata import version
 
 from multilift.batch import Batch, simulate_batch
-from multilift.controllers import Measurement
 from multilift.errors import (
     ControllerError,
     MissingExtraError,
@@ -20,6 +19,7 @@ from multilift.errors import (
     ScenarioError,
 )
 from multilift.gradient import Gradient, gradient
+from multilift.models.planar.laws import Measurement
 from multilift.run import Run
 from multilift.scenario import Scenario, load
 from multilift.simulate import simulate

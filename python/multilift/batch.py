@@ -11,25 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from multilift import isa as instruction_sets
-from multilift import layout, quantities, schema
 from multilift.errors import ControllerError, MissingExtraError, MultiliftError
 from multilift.overrides import Columns
 from multilift.scenario import Scenario
+from multilift.steps import Steps
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Names of the core's statuses, by their code.
-STATUSES = np.array(["finished", "diverged", "slack", "swing_limit"])
-
-#: Keys that set when things happen. Worlds that agree in all of them share a rollout.
-TIMING = (
-    "simulation.duration",
-    "simulation.step",
-    "simulation.record_period",
-    "controller.rate",
-    "sensors.period",
-)
 
 #: Worlds whose numbers are laid out at a time, so that memory does not grow with the batch.
 CHUNK = 16384
@@ -42,13 +30,16 @@ class Batch:
         scenario: what the worlds have in common, under the law they fly.
         controller: name of that law.
         count: number of worlds.
-        status: "finished", "slack", "swing_limit" or "diverged".
-        culprit: index of the slack cable or of the angle at its limit; -1 for none.
+        status: "finished", or what ended it early: one of the model's, for the planar plant
+            "slack", "swing_limit" or "diverged".
+        culprit: index of what ended it, such as the slack cable or the angle at its limit; -1 for
+            none.
         end_time: when each world ended, s.
         metrics, audit: by name, as of a single run; NaN where there is no value.
-        final_state: bar (y, z), theta1..3 and their rates, shape (count, 10).
+        final_state: numbers named by ``scenario.quantities.final_state``, shape (count, numbers):
+            for the planar plant bar (y, z), theta1..3 and their rates.
         samples: trajectories, shape (count, rows, columns), NaN after a world's end; None unless
-            asked for. ``quantities.COLUMNS`` names the columns.
+            asked for. ``scenario.quantities.columns`` names the columns.
     """
 
     def __init__(self, scenario: Scenario, count: int, rows: int | None) -> None:
@@ -58,27 +49,51 @@ class Batch:
         self._status = np.zeros(count, dtype=np.int8)
         self.culprit = np.zeros(count, dtype=np.int8)
         self.end_time = np.zeros(count)
-        self._metrics = np.zeros((count, len(quantities.METRICS)))
-        self._audit = np.zeros((count, len(quantities.AUDIT)))
-        self.final_state = np.zeros((count, 10))
+        names = scenario.quantities
+        self._metrics = np.zeros((count, len(names.metrics)))
+        self._audit = np.zeros((count, len(names.audit)))
+        self.final_state = np.zeros((count, len(names.final_state)))
         self.samples: NDArray[np.float64] | None = None
         if rows is not None:
-            self.samples = np.full((count, rows, len(quantities.COLUMNS)), np.nan)
+            self.samples = np.full((count, rows, len(names.columns)), np.nan)
+
+    def arrays(self) -> dict[str, NDArray[Any] | None]:
+        """The arrays that a kernel fills, by the names it knows them by."""
+        return {
+            "metrics": self._metrics,
+            "audit": self._audit,
+            "final_state": self.final_state,
+            "end_time": self.end_time,
+            "status": self._status,
+            "culprit": self.culprit,
+            "samples": self.samples,
+        }
+
+    def fill(self, worlds: NDArray[np.intp], part: Batch) -> None:
+        """Takes over the results of some worlds; its own may have room for more rows."""
+        for name, array in self.arrays().items():
+            there = part.arrays()[name]
+            if array is not None and there is not None and name != "samples":
+                array[worlds] = there
+        if self.samples is not None and part.samples is not None:
+            self.samples[worlds, : part.samples.shape[1]] = part.samples
 
     @property
     def status(self) -> NDArray[np.str_]:
         """How each world ended."""
-        return STATUSES[self._status]
+        return np.array(self.scenario.model.statuses)[self._status]
 
     @property
     def metrics(self) -> dict[str, NDArray[np.float64]]:
         """Each metric over all worlds."""
-        return {name: self._metrics[:, k] for k, name in enumerate(quantities.METRICS)}
+        return {
+            name: self._metrics[:, k] for k, name in enumerate(self.scenario.quantities.metrics)
+        }
 
     @property
     def audit(self) -> dict[str, NDArray[np.float64]]:
         """Each audit entry over all worlds."""
-        return {name: self._audit[:, k] for k, name in enumerate(quantities.AUDIT)}
+        return {name: self._audit[:, k] for k, name in enumerate(self.scenario.quantities.audit)}
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row a world: world, status, culprit, end_time, metrics, and audit.<entry>.
@@ -134,9 +149,10 @@ def simulate_batch(
         ControllerError: if the law is not compiled.
         KeyboardInterrupt: within a second of Ctrl-C, if a world lasts less than that.
     """
-    if controller is not None and controller not in schema.LAW_TITLES:
+    model = scenario.model
+    if controller is not None and controller not in model.laws:
         raise ControllerError(
-            f"a batch flies compiled laws: {', '.join(schema.LAW_TITLES)}, not {controller!r}\n"
+            f"a batch flies compiled laws: {', '.join(model.laws)}, not {controller!r}\n"
             "  what to do: step a law of your own with multilift.Worlds"
         )
     if controller is not None and controller != scenario.law:
@@ -144,17 +160,22 @@ def simulate_batch(
     if threads is not None and not (isinstance(threads, int) and threads > 0):
         raise MultiliftError(f"threads = {threads!r}: give a whole number above 0, or None")
     columns = Columns(scenario, as_mapping(overrides), count)
-    layout.check_worlds(columns)
+    model.check_worlds(columns)
     kernel = instruction_sets.kernel(isa)
-    groups = _timing_groups(columns)
-    rows = max(_steps(t)["rows"] for t, _ in groups) if trajectories else None
+    groups = _groups(columns)
+    rows = max(steps.rows for steps, _ in groups) if trajectories else None
     batch = Batch(scenario, columns.count, rows)
     finished = 0
-    for timing, members in groups:
+    for steps, members in groups:
         for begin in range(0, len(members), CHUNK):
             worlds = members[begin : begin + CHUNK]
-            report = None if progress is None else partial(_add, progress, finished)
-            _run(kernel, columns, batch, timing, worlds, threads or os.cpu_count() or 1, report)
+            part = Batch(scenario, len(worlds), steps.rows if trajectories else None)
+            model.run_worlds(
+                kernel, columns, worlds, steps, part.arrays(),
+                threads=threads or os.cpu_count() or 1,
+                progress=None if progress is None else partial(_add, progress, finished),
+            )  # fmt: skip
+            batch.fill(worlds, part)
             finished += len(worlds)
     return batch
 
@@ -170,71 +191,19 @@ def as_mapping(overrides: Any) -> Mapping[str, ArrayLike] | None:
     return {str(name): overrides[name].to_numpy() for name in overrides.columns}
 
 
-def _timing_groups(columns: Columns) -> list[tuple[dict[str, float], NDArray[np.intp]]]:
-    """Worlds by equal timing, ideal ones apart: the timing keys' values, the worlds' indices."""
-    keys = [key for key in TIMING if columns.is_own(key)]
-    common = {key: float(columns.scenario[key]) for key in TIMING}
-    ideal = layout.ideal_worlds(columns)
-    if not keys and ideal.all() == ideal.any():
-        return [(common, np.arange(columns.count))]
-    table = np.column_stack([*(columns.own(key) for key in keys), ideal])
+def _groups(columns: Columns) -> list[tuple[Steps, NDArray[np.intp]]]:
+    """Worlds of equal clock and kind: their times in steps, their indices."""
+    scenario = columns.scenario
+    keys = [key for key in scenario.model.clock if columns.is_own(key)]
+    common = {key: float(scenario[key]) for key in scenario.model.clock}
+    kinds = scenario.model.kinds(columns)
+    if not keys and (kinds == kinds[0]).all():
+        return [(Steps.of(common), np.arange(columns.count))]
+    table = np.column_stack([*(columns.own(key) for key in keys), kinds])
     values, which = np.unique(table, axis=0, return_inverse=True)
     groups = []
     for k, row in enumerate(values):
         changed = dict(zip(keys, row.tolist(), strict=False))
-        columns.scenario.with_values(changed)  # checks the combination
-        groups.append(({**common, **changed}, np.flatnonzero(which.ravel() == k)))
+        scenario.with_values(changed)  # checks the combination
+        groups.append((Steps.of({**common, **changed}), np.flatnonzero(which.ravel() == k)))
     return groups
-
-
-def _steps(timing: Mapping[str, float]) -> dict[str, int]:
-    step = timing["simulation.step"]
-    steps = round(timing["simulation.duration"] / step)
-    record = round(timing["simulation.record_period"] / step)
-    # Every record period, and one row more for a world that ends between two.
-    return {
-        "steps": steps,
-        "control": round(1.0 / timing["controller.rate"] / step),
-        "record": record,
-        "rows": steps // record + 2,
-    }
-
-
-def _run(
-    kernel: Any,
-    columns: Columns,
-    batch: Batch,
-    timing: Mapping[str, float],
-    worlds: NDArray[np.intp],
-    threads: int,
-    progress: Callable[[int], None] | None,
-) -> None:
-    scenario = columns.scenario
-    rows, seeds = layout.rows(columns, worlds)
-    steps = _steps(timing)
-    n = len(worlds)
-    part = Batch(scenario, n, steps["rows"] if batch.samples is not None else None)
-    kernel.run(
-        law=scenario.law,
-        rows=rows,
-        seeds=seeds,
-        pushes=layout.push_shapes(scenario),
-        step=timing["simulation.step"],
-        steps=steps["steps"],
-        control_steps=steps["control"],
-        record_steps=steps["record"],
-        ideal=bool(layout.ideal_worlds(columns)[worlds[0]]),
-        metrics=part._metrics,
-        audit=part._audit,
-        final_state=part.final_state,
-        end_time=part.end_time,
-        status=part._status,
-        culprit=part.culprit,
-        samples=part.samples,
-        threads=threads,
-        progress=progress,
-    )
-    for name in ("_metrics", "_audit", "final_state", "end_time", "_status", "culprit"):
-        getattr(batch, name)[worlds] = getattr(part, name)
-    if batch.samples is not None and part.samples is not None:
-        batch.samples[worlds, : part.samples.shape[1]] = part.samples

@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from multilift import _core
+from multilift.models.planar.scenario import PlanarScenario, planar_only
 from multilift.scenario import Scenario, load
 from multilift.simulate import simulate
 
@@ -79,6 +80,7 @@ def run_benchmarks(repetitions: int = 7) -> list[Row]:
     """
     scenario = load("sim1")
     scenario = scenario.with_values({"simulation.record_period": scenario["simulation.duration"]})
+    scenario = planar_only(scenario, "the benchmark")
     ours, theirs, law = _simulation(scenario), _mujoco(scenario), _law(scenario)
     times: dict[str, list[float]] = {"ours": [], "theirs": [], "law": []}
     for _ in range(repetitions):
@@ -130,7 +132,7 @@ def mujoco_tree(scenario: Scenario, step: float, inertia: float = 1e-12) -> str:
         inertia: rotational inertia of each rod, and of a bar that has none, kg m^2; MuJoCo
             refuses bodies without any.
     """
-    plant = scenario.plant
+    plant = planar_only(scenario, "MuJoCo's model").plant
     return _MUJOCO_TREE.format(
         step=step,
         gravity=plant.gravity,
@@ -173,7 +175,7 @@ def _mujoco(scenario: Scenario) -> Callable[[], float] | None:
     return measure
 
 
-def _law(scenario: Scenario) -> Callable[[], float]:
+def _law(scenario: PlanarScenario) -> Callable[[], float]:
     """Measures the scenario's compiled law alone, ns a step."""
     return lambda: float(
         _core.planar_law_nanoseconds(

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import multilift as ml
-from multilift import library, quantities, schema, storage
+from multilift import library, models, storage
 from multilift.errors import MultiliftError, ScenarioError
 from multilift.run import Run
 
@@ -47,7 +47,7 @@ ControllerOption = Annotated[
     typer.Option(
         "--controller",
         "-c",
-        help=f"Law to fly instead of the scenario's: {', '.join(schema.LAW_TITLES)}, or "
+        help=f"Law to fly instead of the scenario's: {', '.join(models.law_names())}, or "
         "FILE.py:NAME for your own.",
     ),
 ]
@@ -294,14 +294,13 @@ def _print_run(result: Run) -> None:
     _out.print(f"[bold]{title}[/], {law}", highlight=False)
     _out.print(f"{result.ending}\n", highlight=False, markup=False)
     table = Table("metric", "value", "unit", "meaning", box=None, header_style="bold")
-    for name, quantity in quantities.METRICS.items():
+    for name, quantity in result.quantities.metrics.items():
         table.add_row(name, _number(result.metrics[name]), quantity.unit, quantity.doc)
     table.add_section()
-    for name, quantity in quantities.AUDIT.items():
+    for name, quantity in result.quantities.audit.items():
         table.add_row(name, _number(result.audit[name]), quantity.unit, quantity.doc)
-    table.add_row(
-        "closure_residual", _number(result.closure_residual), "m", "largest drift of the closure"
-    )
+    for name, quantity in result.quantities.residuals.items():
+        table.add_row(name, _number(result.residuals[name]), quantity.unit, quantity.doc)
     _out.print(table, highlight=False)
 
 

@@ -10,7 +10,8 @@ A law of your own is a function or a class::
         def step(self, m: Measurement) -> Sequence[float]: ...
 
 It is stepped at the scenario's control rate against the same plant, sensors, actuators and metrics
-as the compiled laws, without a rebuild.
+as the compiled laws, without a rebuild. What a law is told and answers is its plant's: this is the
+planar one, `multilift.Measurement`.
 """
 
 from __future__ import annotations
@@ -25,51 +26,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from multilift import schema
 from multilift.errors import ControllerError
 
 if TYPE_CHECKING:
     from multilift.scenario import Scenario
 
 
-@dataclass(frozen=True)
-class Measurement:
-    """What a law is told at a control instant: world y-z plane, z up, SI, radians.
-
-    Attributes:
-        t: time, s.
-        xi: positions (y, z) of vehicles 1 and 2, shape (2, 2), m.
-        xi_dot: their velocities, shape (2, 2), m/s.
-        theta: angles theta1, theta2, theta3, shape (3,), rad.
-        theta_dot: their rates, shape (3,), rad/s.
-        goal: where the vehicles shall come to rest, shape (2, 2), m.
-        saturated: whether each vehicle's last command hit a limit of thrust or tilt.
-    """
-
-    t: float
-    xi: NDArray[np.float64]
-    xi_dot: NDArray[np.float64]
-    theta: NDArray[np.float64]
-    theta_dot: NDArray[np.float64]
-    goal: NDArray[np.float64]
-    saturated: tuple[bool, bool]
-
-
-Law = Callable[[Measurement], Sequence[float]]
+#: A law of one's own, made for a run: from what is measured, as its model says, to numbers.
+Law = Callable[[Any], Sequence[float]]
 
 
 @dataclass(frozen=True)
 class CompiledLaw:
-    """A law of the compiled core."""
+    """A law of the compiled core: its name, and one line for figures and tables."""
 
     name: str
-
-    @property
-    def title(self) -> str:
-        """One line for figures and tables."""
-        return schema.LAW_TITLES[self.name]
+    title: str
 
 
 @dataclass(frozen=True)
@@ -80,33 +53,26 @@ class PythonLaw:
     title: str
     make: Callable[[Scenario], Law]
 
-    def callback(self, scenario: Scenario) -> Callable[..., list[float]]:
-        """A fresh law behind the signature that the core calls.
+    def begin(
+        self, scenario: Scenario, count: int, wanted: str
+    ) -> Callable[[float, Any], list[float]]:
+        """A fresh law as a function of the time and what is measured.
+
+        Args:
+            scenario: what it flies.
+            count: how many numbers it must answer.
+            wanted: these in words, for errors: "four finite forces u1, u2, u3, u4 in N".
 
         Raises:
-            ControllerError: if the law cannot be constructed; and, from the callback, if it
-                raises or answers anything but four finite numbers, with the time.
+            ControllerError: if the law cannot be constructed; and, from the function, if it
+                raises or answers anything else, with the time.
         """
         try:
             law = self.make(scenario)
         except Exception as error:
             raise ControllerError(f"law {self.name!r} cannot be constructed: {error!r}") from error
-        goal = scenario.goal_vector().reshape(2, 2)
-        goal.setflags(write=False)  # one array for all steps: a law may not move it
 
-        def step(
-            t: float, q: Sequence[float], q_dot: Sequence[float], saturated: Sequence[bool]
-        ) -> list[float]:
-            positions, rates = np.array(q), np.array(q_dot)
-            measured = Measurement(
-                t,
-                positions[:4].reshape(2, 2),
-                rates[:4].reshape(2, 2),
-                positions[4:],
-                rates[4:],
-                goal,
-                (bool(saturated[0]), bool(saturated[1])),
-            )
+        def step(t: float, measured: Any) -> list[float]:
             try:
                 answer = law(measured)
             except (Exception, SystemExit) as error:
@@ -117,10 +83,9 @@ class PythonLaw:
                 u = [float(x) for x in np.ravel(np.asarray(answer, dtype=float))]
             except (TypeError, ValueError):
                 u = []
-            if len(u) != 4 or not all(map(math.isfinite, u)):
+            if len(u) != count or not all(map(math.isfinite, u)):
                 raise ControllerError(
-                    f"law {self.name!r} answered {answer!r} at t = {t:g} s; it must answer four "
-                    "finite forces u1, u2, u3, u4 in N"
+                    f"law {self.name!r} answered {answer!r} at t = {t:g} s; it must answer {wanted}"
                 )
             return u
 
@@ -139,21 +104,23 @@ def resolve(controller: Any, scenario: Scenario) -> tuple[CompiledLaw | PythonLa
         ControllerError: if there is no such law.
         ScenarioError: if the scenario lacks a gain that the law needs.
     """
+    laws = scenario.model.laws
     if controller is None:
-        return CompiledLaw(scenario.law), scenario
+        return CompiledLaw(scenario.law, laws[scenario.law].title), scenario
     if isinstance(controller, (CompiledLaw, PythonLaw)):
         controller = controller.name if isinstance(controller, CompiledLaw) else controller
     if isinstance(controller, PythonLaw):
         return controller, scenario
     if isinstance(controller, str):
-        if controller in schema.LAW_TITLES:
+        if controller in laws:
             changed = scenario.law != controller
-            return CompiledLaw(controller), scenario.with_law(controller) if changed else scenario
+            law = CompiledLaw(controller, laws[controller].title)
+            return law, scenario.with_law(controller) if changed else scenario
         if ".py:" in controller:
             return python_law(_load_from_file(controller)), scenario
         raise ControllerError(
             f"no control law is called {controller!r}\n"
-            f"  permitted: {', '.join(schema.LAW_TITLES)}, or FILE.py:NAME for your own"
+            f"  permitted: {', '.join(laws)}, or FILE.py:NAME for your own"
         )
     return python_law(controller), scenario
 

@@ -13,18 +13,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import isa, layout, quantities, schema
+from multilift import isa
 from multilift.errors import ControllerError, MissingExtraError, ScenarioError
+from multilift.fields import Field
+from multilift.models.planar import layout, quantities
+from multilift.models.planar.quantities import FINAL_STATE
+from multilift.models.planar.scenario import PlanarScenario, planar_only
+from multilift.models.planar.tables import (
+    ACTUATORS,
+    GOAL,
+    LAWS,
+    PLANT_NUMBERS,
+    PUSH_NUMBERS,
+    SENSORS,
+    START,
+)
 from multilift.scenario import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: The numbers of a final state, in order.
-FINAL_STATE = (
-    "bar_y", "bar_z", "theta1", "theta2", "theta3",
-    "bar_y_dot", "bar_z_dot", "theta1_dot", "theta2_dot", "theta3_dot",
-)  # fmt: skip
 
 #: Metrics without a derivative: they count integration steps, so that they stand still and jump.
 WITHOUT_DERIVATIVE = ("swing_settling_time", "position_settling_time")
@@ -67,7 +74,9 @@ class Gradient:
         audit: derivatives of each audit entry, shape (keys,).
     """
 
-    def __init__(self, scenario: Scenario, keys: Sequence[str], result: dict[str, Any]) -> None:
+    def __init__(
+        self, scenario: PlanarScenario, keys: Sequence[str], result: dict[str, Any]
+    ) -> None:
         self.scenario = scenario
         self.keys = tuple(keys)
         self.status = str(result["status"])
@@ -129,10 +138,10 @@ def gradient(
         ScenarioError: for unknown keys, and for those along which nothing can be differentiated,
             with the reason.
     """
-    if controller is not None and controller not in schema.LAW_TITLES:
+    scenario = planar_only(scenario, "multilift.gradient")
+    if controller is not None and controller not in LAWS:
         raise ControllerError(
-            f"derivatives go through compiled laws: {', '.join(schema.LAW_TITLES)}, not "
-            f"{controller!r}"
+            f"derivatives go through compiled laws: {', '.join(LAWS)}, not {controller!r}"
         )
     if controller is not None and controller != scenario.law:
         scenario = scenario.with_law(controller)
@@ -157,38 +166,34 @@ def gradient(
     return Gradient(scenario, keys, result)
 
 
-def _layout(scenario: Scenario) -> tuple[NDArray[np.float64], list[frozenset[str]]]:
+def _layout(scenario: PlanarScenario) -> tuple[NDArray[np.float64], list[frozenset[str]]]:
     """The run's numbers as the core reads them, and the keys that each of them follows."""
     tables = scenario.values
     values: list[float] = []
     sources: list[frozenset[str]] = []
 
-    def add(table: str, fields: Iterable[schema.Field], also: str = "") -> None:
+    def add(table: str, fields: Iterable[Field], also: str = "") -> None:
         for field in fields:
             value = _table(tables, table)[field.name]
-            numbers = np.broadcast_to(0.0 if value is None else value, field.shape)
+            numbers = np.broadcast_to(0.0 if value is None else value, field.dims)
             values.extend(float(x) for x in numbers.ravel())
             follows = also and not scenario.assumes(field.name)
-            for place in np.ndindex(*field.shape):
+            for place in np.ndindex(*field.dims):
                 index = "".join(f"[{k}]" for k in place)
                 names = {f"{table}.{field.name}{index}"}
                 sources.append(
                     frozenset(names | ({f"{also}.{field.name}{index}"} if follows else set()))
                 )
 
-    plant_fields = schema.PLANT.fields[1:]
-    add("plant", plant_fields)
-    add("controller.assumed", plant_fields, also="plant")
-    add("controller", schema.gain_fields(scenario.law))
-    add("actuators", schema.ACTUATORS.fields)
-    add("sensors", schema.SENSORS.fields)
-    position, angle, velocity, rate = schema.START.fields
-    add("start", (position, angle, velocity, rate))
-    add("goal", schema.GOAL.fields[:1])
-    by_name = {f.name: f for f in schema.PUSH.fields}
-    numbers = ("force", "torque", "start", "duration", "frequency")
+    add("plant", PLANT_NUMBERS)
+    add("controller.assumed", PLANT_NUMBERS, also="plant")
+    add("controller", LAWS[scenario.law].gains)
+    add("actuators", ACTUATORS.fields)
+    add("sensors", SENSORS.fields)
+    add("start", START.fields)
+    add("goal", GOAL.fields[:1])
     for k in range(len(tables["push"])):
-        add(f"push[{k}]", [by_name[name] for name in numbers])
+        add(f"push[{k}]", PUSH_NUMBERS)
     return np.array(values), sources
 
 

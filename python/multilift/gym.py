@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from multilift.errors import MissingExtraError, ScenarioError
+from multilift.models.planar.scenario import planar_only
 from multilift.scenario import Scenario
 from multilift.worlds import Worlds
 
@@ -103,6 +104,7 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             ScenarioError: as :class:`multilift.Worlds` does, and for bounds of a draw that are the
                 wrong way round.
         """
+        scenario = planar_only(scenario, "TwinLiftVectorEnv")
         self.weights = weights or Weights()
         self._draws = {key: (float(low), float(high)) for key, (low, high) in (draws or {}).items()}
         for key, bounds in self._draws.items():

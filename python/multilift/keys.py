@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
-from multilift import schema
+from multilift import models, schema
 from multilift.errors import ScenarioError
+from multilift.fields import Field
+from multilift.schema import Table
 
 #: One step into a scenario: a name in a table, or a place in a list.
 Step = str | int
@@ -107,7 +110,7 @@ def put(raw: dict[str, Any], complete: Mapping[str, Any], key: str, value: Any, 
         node, full = node[step], full[step]
 
 
-def field_of(key: str, values: Mapping[str, Any], where: str) -> schema.Field:
+def field_of(key: str, values: Mapping[str, Any], where: str) -> Field:
     """The field that a key names in a complete scenario, indices checked against its shape.
 
     Args:
@@ -118,47 +121,55 @@ def field_of(key: str, values: Mapping[str, Any], where: str) -> schema.Field:
     Raises:
         ScenarioError: if there is no such key.
     """
-    steps = list(parse(key, where))
-    fields = _fields(steps, values)
-    if fields is None or not steps or steps[0] not in fields:
+    steps = parse(key, where)
+    tables = models.of(values, where).tables_of(values, where)
+    table, rest = find_table(steps, tables, values)
+    fields = {f.name: f for f in table.fields} if table is not None else None
+    if fields is None or not rest or rest[0] not in fields:
         try:
             look_up(values, key)
-            known = _all_names(values)
+            known = _all_names(values, tables)
         except KeyError:
-            known = list(fields) if fields is not None else _all_names(values)
+            known = list(fields) if fields is not None else _all_names(values, tables)
         raise schema.unknown_key(where, key, None, known)
-    field = fields[str(steps[0])]
-    shape = field.shape
-    for step in steps[1:]:
+    field = fields[str(rest[0])]
+    shape = field.dims
+    for step in rest[1:]:
         if not isinstance(step, int) or not shape or step >= shape[0]:
             raise _no_place(where, key, None, values)
         shape = shape[1:]
     return field
 
 
-def _fields(steps: list[Step], values: Mapping[str, Any]) -> dict[str, schema.Field] | None:
-    """The fields of the table that the first steps name; consumes these steps."""
-    tables = {t.name: t for t in (schema.PLANT, schema.START, schema.GOAL, schema.SIMULATION,
-                                  schema.ACTUATORS, schema.SENSORS)}  # fmt: skip
-    head = steps.pop(0)
-    if head == "controller":
-        table = schema.controller_table(values["controller"]["law"])
-        if steps and steps[0] == "assumed":
-            steps.pop(0)
-            table = schema.PLANT
-    elif head == "push":
-        if not steps or not isinstance(steps[0], int) or steps.pop(0) >= len(values["push"]):  # type: ignore[operator]
-            return None
-        table = schema.PUSH
-    elif head in tables:
-        table = tables[str(head)]
-    else:
-        return None
-    return {f.name: f for f in table.fields}
+def find_table(
+    steps: tuple[Step, ...], tables: Mapping[str, Table], values: Mapping[str, Any]
+) -> tuple[Table | None, tuple[Step, ...]]:
+    """The table in which a key lies, and the key's steps behind it.
+
+    Args:
+        steps: of the key; see `parse`.
+        tables: of the scenario, as ``Model.tables_of`` gives them.
+        values: complete; a repeated table must be there.
+
+    Returns:
+        None for the table if there is none.
+    """
+    names = list(itertools.takewhile(lambda step: isinstance(step, str), steps))
+    for k in range(len(names), 0, -1):
+        table = tables.get(".".join(map(str, names[:k])))
+        if table is None:
+            continue
+        rest = steps[k:]
+        if not table.repeated:
+            return table, rest
+        if rest and isinstance(rest[0], int) and rest[0] < len(values[table.name]):
+            return table, rest[1:]
+        return None, rest
+    return None, steps
 
 
-def _all_names(values: Mapping[str, Any]) -> list[str]:
-    return sorted(k for k, v in values.items() if isinstance(v, Mapping) or k == "push")
+def _all_names(values: Mapping[str, Any], tables: Mapping[str, Table]) -> list[str]:
+    return sorted(k for k in values if k in tables)
 
 
 def _is_table(node: Any) -> bool:

@@ -3,78 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import _core, geometry
 from multilift.errors import ScenarioError
 
-
-class ClosedLoop(Protocol):
-    """What the linearisation needs of a scenario."""
-
-    values: dict[str, Any]
-
-    @property
-    def law(self) -> str:
-        """Name of the compiled law."""
-
-    def plant_values(self) -> list[float]:
-        """The plant's numbers in the core's order."""
-
-    def assumed_values(self) -> list[float]:
-        """The plant as the law assumes it."""
-
-    def gain_values(self) -> list[float]:
-        """The law's gains."""
-
-    def goal_vector(self) -> NDArray[np.float64]:
-        """[y1d, z1d, y2d, z2d], m."""
-
-    def control_period(self) -> float:
-        """Time between two steps of the law, s."""
+if TYPE_CHECKING:
+    from multilift.scenario import Scenario
 
 
-def closed_loop_matrix(scenario: ClosedLoop) -> NDArray[np.float64]:
-    """The closed loop's 10x10 state matrix where the load hangs at rest at the goal.
+def closed_loop_matrix(scenario: Scenario) -> NDArray[np.float64]:
+    """The closed loop's state matrix where the load hangs at rest at the goal.
 
-    State: the bar's centre of mass (y, z), theta1..3, and their rates. The plant is differentiated
-    exactly (dual numbers), the law by central differences. The law acts continuously and at once,
-    its estimates and integrals resting: delay, lag and sampling are left out.
+    Of a planar scenario 10x10, state: the bar's centre of mass (y, z), theta1..3, and their rates.
+    The plant is differentiated exactly (dual numbers), the law by central differences. The law acts
+    continuously and at once, its estimates and integrals resting: delay, lag and sampling are left
+    out.
 
     Raises:
         ValueError: if the load cannot hang at rest at the goal.
+        ScenarioError: if the scenario's model has no linearisation.
     """
-    plant = scenario.plant_values()
-    angle = geometry.rest_angles(plant, scenario.goal_vector().reshape(2, 2))
-    q = np.concatenate([scenario.goal_vector(), angle])
-    x = np.array(_core.planar_free_coordinates(plant, q.tolist(), [0.0] * 7))
-
-    def law(state: NDArray[np.float64]) -> NDArray[np.float64]:
-        seven, rates = _core.planar_seven(
-            plant, state[0:2].tolist(), state[2:5].tolist(), state[5:7].tolist(),
-            state[7:10].tolist(),
-        )  # fmt: skip
-        fresh = _core.PlanarLaw(
-            scenario.law,
-            scenario.gain_values(),
-            scenario.assumed_values(),
-            scenario.goal_vector().tolist(),
-            scenario.control_period(),
-        )
-        return np.array(fresh.step(seven, rates))
-
-    jacobian = np.array(_core.planar_jacobian(plant, x.tolist(), law(x).tolist()))
-    h = 1e-6
-    feedback = np.empty((4, 10))
-    for k in range(10):
-        d = np.zeros(10)
-        d[k] = h
-        feedback[:, k] = (law(x + d) - law(x - d)) / (2 * h)
-    matrix: NDArray[np.float64] = jacobian[:, :10] + jacobian[:, 10:] @ feedback
-    return matrix
+    return scenario.model.closed_loop_matrix(scenario)
 
 
 def rk4_growth(z: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -101,19 +53,19 @@ def largest_stable_step(matrix: NDArray[np.float64]) -> float:
     return float(limits.min())
 
 
-def check_step(scenario: ClosedLoop, where: str) -> None:
-    """Refuses an integration step that is too large for the stiffest mode near the goal.
+def refuse_large_step(matrix: NDArray[np.float64], step: float, where: str) -> None:
+    """Refuses an integration step that is too large for the stiffest mode of a closed loop.
+
+    Args:
+        matrix: state matrix, shape (n, n).
+        step: s.
+        where: for errors.
 
     Raises:
         ScenarioError: naming the step and the largest permitted one.
     """
-    try:
-        with np.errstate(all="ignore"):
-            matrix = closed_loop_matrix(scenario)
+    with np.errstate(all="ignore"):
         limit = largest_stable_step(matrix) if np.isfinite(matrix).all() else math.nan
-    except ValueError:
-        return  # no rest at the goal: nothing to linearise about
-    step = float(scenario.values["simulation"]["step"])
     if math.isnan(limit):
         raise ScenarioError(
             "makes numbers that no computer holds: some plant or gain is out of all proportion",

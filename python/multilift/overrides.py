@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from multilift import keys, schema
 from multilift.errors import ScenarioError
+from multilift.fields import Field
 from multilift.scenario import Scenario
-
-_PUSH = re.compile(r"push\[(\d+)\]\.([a-z_]+)")
 
 
 class Columns:
@@ -39,6 +37,7 @@ class Columns:
             ScenarioError: for unknown keys, wrong shapes or values out of range, naming the world.
         """
         self.scenario = scenario
+        self._tables = scenario.model.tables_of(scenario.values, scenario.where)
         if overrides is not None and not isinstance(overrides, Mapping):
             raise self._error(
                 "", f"are {type(overrides).__name__}, not a mapping of keys to arrays"
@@ -66,16 +65,14 @@ class Columns:
         for key, values in given.items():
             self._apply(key, values)
 
-    def get(self, table: str, field: schema.Field) -> NDArray[np.float64]:
-        """A field's numbers, shape (count, *field.shape) or (1, *field.shape) if all are equal."""
+    def get(self, table: str, field: Field) -> NDArray[np.float64]:
+        """A field's numbers, shape (count, *field.dims) or (1, *field.dims) if all are equal."""
         key = f"{table}.{field.name}"
         if key in self._own:
             return self._own[key]
-        value = (
-            self.scenario[key] if not table.startswith("push[") else self._push(table)[field.name]
-        )
+        value = self.scenario[key]
         if value is None:
-            value = np.full(field.shape, np.nan)
+            value = np.full(field.dims, np.nan)
         return np.asarray(value, dtype=float)[None]
 
     def numbers(self, key: str) -> NDArray[np.float64]:
@@ -96,43 +93,24 @@ class Columns:
         Raises:
             ScenarioError: for numbers that no scenario may hold together.
         """
-        changes: dict[str, Any] = {}
-        for key, values in self._own.items():
-            value = values[k].tolist() if values.ndim > 1 else float(values[k])
-            match = _PUSH.fullmatch(key)
-            if match:
-                pushes = changes.setdefault("push", [dict(p) for p in self._given_pushes()])
-                pushes[int(match[1])][match[2]] = value
-            else:
-                changes[key] = value
-        return self.scenario.with_values(changes)
+        return self.scenario.with_values(
+            {
+                key: values[k].tolist() if values.ndim > 1 else float(values[k])
+                for key, values in self._own.items()
+            }
+        )
 
-    def _given_pushes(self) -> list[dict[str, Any]]:
-        pushes: list[dict[str, Any]] = self.scenario.values["push"]
-        return [{key: v for key, v in push.items() if v is not None} for push in pushes]
-
-    def _push(self, table: str) -> dict[str, Any]:
-        pushes: list[dict[str, Any]] = self.scenario.values["push"]
-        return pushes[int(table[5:-1])]
-
-    def _field(self, key: str) -> schema.Field:
-        table, _, name = key.rpartition(".")
-        if table == "controller":
-            fields = schema.controller_table(self.scenario.law).fields
-        elif table == "controller.assumed":
-            fields = schema.PLANT.fields
-        elif table in schema.TABLES:
-            fields = schema.TABLES[table].fields
-        elif (match := _PUSH.fullmatch(key)) and int(match[1]) < len(self.scenario.values["push"]):
-            fields = schema.PUSH.fields
-        else:
-            raise schema.unknown_key(
-                self.scenario.where, key, None, [*schema.TABLES, "controller", "push[K]"]
-            )
-        by_name = {f.name: f for f in fields if f.kind == "number"}
-        if name not in by_name:
+    def _field(self, key: str) -> Field:
+        table, rest = keys.find_table(keys.parse(key), self._tables, self.scenario.values)
+        if table is None:
+            tops = [t for name, t in self._tables.items() if "." not in name]
+            known = [t.name for t in tops if not t.repeated]
+            known += [f"{t.name}[K]" for t in tops if t.repeated]
+            raise schema.unknown_key(self.scenario.where, key, None, known)
+        by_name = {f.name: f for f in table.fields if f.kind == "number"}
+        if len(rest) != 1 or rest[0] not in by_name:
             raise schema.unknown_key(self.scenario.where, key, None, by_name)
-        return by_name[name]
+        return by_name[str(rest[0])]
 
     def _apply(self, full_key: str, values: NDArray[Any]) -> None:
         key, place = keys.split_index(full_key)
@@ -141,14 +119,14 @@ class Columns:
             numbers = values.astype(float)
         except (TypeError, ValueError):
             raise self._error(full_key, "holds something that is not a number") from None
-        if len(place) > len(field.shape) or any(
-            k >= n for k, n in zip(place, field.shape, strict=False)
+        if len(place) > len(field.dims) or any(
+            k >= n for k, n in zip(place, field.dims, strict=False)
         ):
-            raise self._error(full_key, "has no such element", f"its shape is {field.shape}")
+            raise self._error(full_key, "has no such element", f"its shape is {field.dims}")
         base = self._own.get(key)
         if base is None:
             table = key.rpartition(".")[0]
-            base = np.broadcast_to(self.get(table, field), (self.count, *field.shape)).copy()
+            base = np.broadcast_to(self.get(table, field), (self.count, *field.dims)).copy()
         where: Any = (slice(None), *place)
         part = base[where]
         # One entry a world: leading axis first, then broadcast over the element's own shape.
@@ -162,7 +140,7 @@ class Columns:
         self._check(full_key, field, numbers)
         self._own[key] = base
 
-    def _check(self, key: str, field: schema.Field, numbers: NDArray[np.float64]) -> None:
+    def _check(self, key: str, field: Field, numbers: NDArray[np.float64]) -> None:
         infinite_allowed = field.default is not None and np.isinf(np.asarray(field.default)).any()
         bad = np.isnan(numbers) | (np.isinf(numbers) & (not infinite_allowed))
         if field.range == "positive":

@@ -1,12 +1,10 @@
-"""Figures of runs in the paper's layout, with matplotlib."""
+"""How figures of runs look: styles, sizes, and panels over time, with matplotlib."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from multilift.errors import MissingExtraError
 from multilift.styles import LAW_LABELS, law_styles
@@ -33,6 +31,26 @@ class LineStyle:
 
 
 DESIRED = LineStyle("black", "--", "desired")
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A column of a run over time.
+
+    Attributes:
+        column: absent from a run: not drawn for it.
+        label: of the axis, with the unit that `scale` gives.
+        least: span that the axis has at least, so that round-off does not fill it.
+        scale: from SI and radians.
+        desired: value to draw beside it, in the axis's unit.
+    """
+
+    column: str
+    label: str
+    least: float
+    scale: float = 1.0
+    desired: float | None = None
+
 
 #: matplotlib's dashes are in line widths; this makes PD's the length of its own "--".
 _WIDTHS_PER_PIXEL = 1.6 / 3.0
@@ -77,70 +95,32 @@ def styles(runs: Sequence[Run]) -> list[LineStyle]:
     ]
 
 
-def response(runs: Sequence[Run]) -> Figure:
-    """Positions, angles and drag estimates of runs of one scenario: the paper's Figs. 2, 4, 7, ...
+def stack(runs: Sequence[Run], panels: Sequence[Panel], *, height: float) -> Figure:
+    """Panels over one axis of time, with the pushes as grey bands.
 
     Args:
         runs: of the same scenario, one for each controller.
+        panels: from top to bottom.
+        height: of each, inches.
     """
-    goal = runs[0].scenario.goal_vector()
-    panels = [
-        *((name, f"${name[0]}_{name[1]}$ (m)", 1.0) for name in ("y1", "z1", "y2", "z2")),
-        *((f"theta{k}", rf"$\theta_{k}$ (deg)", 180 / np.pi) for k in (1, 2, 3)),
-        *(
-            (f"d_hat_{axis}", rf"$\hat d_{{{axis[0]}{axis[1]}}}$ (N s/m)", 1.0)
-            for axis in ("y1", "z1", "y2", "z2")
-        ),
-    ]
-    desired = {name: goal[k] for k, name in enumerate(("y1", "z1", "y2", "z2"))}
-    desired |= dict.fromkeys(("theta1", "theta2", "theta3"), 0.0)
-    return _stack(runs, panels, desired, height=1.05)
-
-
-def commands(runs: Sequence[Run]) -> Figure:
-    """The commands u1..u4 of runs of one scenario: the paper's Figs. 3, 5, 8, ..."""
-    panels = [(f"u{k}", f"$u_{k}$ (N)", 1.0) for k in (1, 2, 3, 4)]
-    return _stack(runs, panels, {}, height=1.4)
-
-
-def overview(runs: Sequence[Run]) -> Figure:
-    """Response and commands in one figure, with the tensions."""
-    goal = runs[0].scenario.goal_vector()
-    panels = [
-        *((name, f"${name[0]}_{name[1]}$ (m)", 1.0) for name in ("y1", "z1", "y2", "z2")),
-        *((f"theta{k}", rf"$\theta_{k}$ (deg)", 180 / np.pi) for k in (1, 2, 3)),
-        *((f"u{k}", f"$u_{k}$ (N)", 1.0) for k in (1, 2, 3, 4)),
-        *((f"tension{k}", f"$T_{k}$ (N)", 1.0) for k in (1, 2)),
-    ]
-    desired = {name: goal[k] for k, name in enumerate(("y1", "z1", "y2", "z2"))}
-    return _stack(runs, panels, desired, height=0.95)
-
-
-def _stack(
-    runs: Sequence[Run],
-    panels: Sequence[tuple[str, str, float]],
-    desired: dict[str, float],
-    *,
-    height: float,
-) -> Figure:
     with rc_context(RC):
         figure = Figure(figsize=(5.6, height * len(panels) + 0.75), layout="constrained")
         axes: list[Axes] = list(figure.subplots(len(panels), 1, sharex=True))
         looks = styles(runs)
-        for ax, (column, label, scale) in zip(axes, panels, strict=True):
-            if column in desired:
-                ax.axhline(desired[column], color=DESIRED.colour, ls=DESIRED.dash, lw=0.9,
+        for ax, panel in zip(axes, panels, strict=True):
+            if panel.desired is not None:
+                ax.axhline(panel.desired, color=DESIRED.colour, ls=DESIRED.dash, lw=0.9,
                            label=DESIRED.label)  # fmt: skip
             # Solid first: where curves coincide, both show through the dashes on top.
             for run, look in sorted(
                 zip(runs, looks, strict=True), key=lambda pair: pair[1].dash != "-"
             ):
-                if column in run.columns:
-                    ax.plot(run.t, scale * run[column], color=look.colour, ls=look.dash,
+                if panel.column in run.columns:
+                    ax.plot(run.t, panel.scale * run[panel.column], color=look.colour, ls=look.dash,
                             label=look.label)  # fmt: skip
-            ax.set_ylabel(label)
-            _steady_limits(ax, runs, column, scale, desired.get(column))
-            for push in runs[0].scenario.values["push"]:
+            ax.set_ylabel(panel.label)
+            _steady_limits(ax, runs, panel)
+            for push in runs[0].scenario.values.get("push", []):
                 ax.axvspan(push["start"], push["start"] + push["duration"], color="0.75", lw=0)
         axes[-1].set_xlabel("time (s)")
         axes[-1].set_xlim(0.0, max(run.t[-1] for run in runs))
@@ -149,7 +129,8 @@ def _stack(
             for ax in axes
             for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
         }
-        order = [DESIRED.label] * bool(desired) + [look.label for look in looks]
+        any_desired = any(panel.desired is not None for panel in panels)
+        order = [DESIRED.label] * any_desired + [look.label for look in looks]
         figure.legend(
             [handles[k] for k in order], order, loc="outside upper center", ncols=len(order),
             frameon=False,
@@ -158,17 +139,14 @@ def _stack(
     return figure
 
 
-def _steady_limits(
-    ax: Axes, runs: Sequence[Run], column: str, scale: float, goal: float | None
-) -> None:
-    """Keeps round-off from filling an axis: at least a small, stated span around the values."""
-    least = {"y": 0.1, "z": 0.1, "t": 1.0, "d": 0.02, "u": 0.2}[column[0]]
-    values = [scale * run[column] for run in runs if column in run.columns]
+def _steady_limits(ax: Axes, runs: Sequence[Run], panel: Panel) -> None:
+    """Keeps round-off from filling an axis."""
+    values = [panel.scale * run[panel.column] for run in runs if panel.column in run.columns]
     if not values:
         return
     lo, hi = min(v.min() for v in values), max(v.max() for v in values)
-    if goal is not None:
-        lo, hi = min(lo, goal), max(hi, goal)
-    span = max(hi - lo, least)
+    if panel.desired is not None:
+        lo, hi = min(lo, panel.desired), max(hi, panel.desired)
+    span = max(hi - lo, panel.least)
     middle = 0.5 * (lo + hi)
     ax.set_ylim(middle - 0.56 * span, middle + 0.56 * span)

@@ -1,10 +1,12 @@
-"""What the numbers of a run are called, measured in and mean: columns, metrics, audit entries."""
+"""What the numbers of a run are called, measured in and mean: columns, metrics, audit entries.
+
+Each model has its own: ``scenario.quantities`` and ``run.quantities``.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from multilift import _core
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -16,14 +18,27 @@ class Quantity:
     doc: str
 
 
-_TABLES = _core.planar_describe()
+@dataclass(frozen=True)
+class Quantities:
+    """The numbers of a run by name, in order.
 
-#: Columns of a trajectory, in order.
-COLUMNS = {name: Quantity(name, unit, doc) for name, unit, doc in _TABLES["columns"]}
-#: Metrics of a run, in order.
-METRICS = {name: Quantity(name, unit, doc) for name, unit, doc in _TABLES["metrics"]}
-#: Entries of the energy audit, in order.
-AUDIT = {name: Quantity(name, unit, doc) for name, unit, doc in _TABLES["audit"]}
+    Attributes:
+        columns: of a trajectory; "t" is the first.
+        metrics: of the whole run.
+        audit: entries of the energy audit.
+        final_state: names of the numbers of a batch's final state.
+        residuals: by how much a run misses what must hold exactly.
+        law_columns: columns that only compiled laws have.
+    """
 
-#: Columns that exist only where a law has a drag estimate and a storage function of its own.
-LAW_COLUMNS = ("d_hat_y1", "d_hat_z1", "d_hat_y2", "d_hat_z2")
+    columns: Mapping[str, Quantity]
+    metrics: Mapping[str, Quantity]
+    audit: Mapping[str, Quantity]
+    final_state: tuple[str, ...]
+    residuals: Mapping[str, Quantity] = field(default_factory=dict)
+    law_columns: tuple[str, ...] = ()
+
+
+def table(entries: Iterable[tuple[str, str, str]]) -> dict[str, Quantity]:
+    """Quantities by name, from name, unit and meaning as the compiled core describes them."""
+    return {name: Quantity(name, unit, doc) for name, unit, doc in entries}

@@ -17,7 +17,9 @@ import numpy as np
 
 from multilift import _core, controllers
 from multilift.errors import MissingExtraError, MultiliftError, ScenarioError
-from multilift.geometry import Vector
+from multilift.models.planar import laws
+from multilift.models.planar.geometry import Vector
+from multilift.models.planar.scenario import PlanarScenario, planar_only
 from multilift.scenario import Scenario
 
 #: Where in the seven loads beside u a push acts: vehicles (y, z) first, then the bar.
@@ -66,7 +68,7 @@ def solve(
 
     Raises:
         MissingExtraError: without SciPy (``multilift[reference]``).
-        ScenarioError: if actuators or sensors are not ideal.
+        ScenarioError: if the scenario is not planar, or actuators or sensors are not ideal.
         ControllerError: for a law that cannot be found or stepped.
         MultiliftError: where the equations are singular or the error cannot be kept small.
     """
@@ -74,6 +76,7 @@ def solve(
         from scipy.integrate import DOP853  # noqa: PLC0415 - an optional package
     except ImportError:
         raise MissingExtraError("scipy", "reference", "the adaptive reference") from None
+    scenario = planar_only(scenario, "the adaptive reference")
     if not scenario.is_ideal():
         raise ScenarioError(
             "cannot be integrated by the reference: actuators or sensors are not ideal",
@@ -143,7 +146,7 @@ def _finish(solver: Any) -> Vector:
     return final
 
 
-def _start(scenario: Scenario) -> Vector:
+def _start(scenario: PlanarScenario) -> Vector:
     """[q, q_dot] at the start, moved onto the closure that a scenario may miss by a little."""
     plant = scenario.plant_values()
     free = _core.planar_free_coordinates(
@@ -153,12 +156,13 @@ def _start(scenario: Scenario) -> Vector:
 
 
 def _stepper(
-    controller: Any, scenario: Scenario
-) -> tuple[Callable[[float, Vector], tuple[Vector, Vector]], Scenario]:
+    controller: Any, given: Scenario
+) -> tuple[Callable[[float, Vector], tuple[Vector, Vector]], PlanarScenario]:
     """The law as a function of t and [q, q_dot] that gives u and the estimates behind it."""
-    law, scenario = controllers.resolve(controller, scenario)
+    law, resolved = controllers.resolve(controller, given)
+    scenario = planar_only(resolved, "the adaptive reference")
     if isinstance(law, controllers.PythonLaw):
-        callback = law.callback(scenario)
+        callback = laws.callback(law, scenario)
 
         def step_python(t: float, x: Vector) -> tuple[Vector, Vector]:
             u = callback(t, x[:7].tolist(), x[7:].tolist(), (False, False))

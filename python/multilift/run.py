@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import provenance, quantities, storage
+from multilift import provenance, storage
 from multilift.controllers import PythonLaw
 from multilift.errors import MissingExtraError
 
@@ -20,33 +19,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from multilift.controllers import CompiledLaw
+    from multilift.quantities import Quantities
     from multilift.scenario import Scenario
-
-
-@dataclass(frozen=True)
-class Recovery:
-    """The swing after a push, until the next one.
-
-    Attributes:
-        push_start: when the push began, s.
-        peak_swing: greatest |theta1| or |theta2|, deg.
-        time: from the push's start until both stay below 1 degree, s; NaN if they did not.
-    """
-
-    push_start: float
-    peak_swing: float
-    time: float
 
 
 class Run:
     """Trajectory, metrics and audit of a run, and how it ended.
 
+    A run is of its model's class, which may have more to say of it: a
+    :class:`~multilift.models.planar.run.PlanarRun` of a planar scenario.
+
     Attributes:
         scenario: what was simulated, complete.
         controller: name of the law; ``controller_title`` is its line for figures.
-        status: "finished", "slack", "swing_limit" or "diverged".
+        status: "finished", or what ended it early: one of the model's.
+        culprit: index of what ended it, of its kind; -1 for none.
         end_time: when it ended, s; the scenario's duration if it finished.
-        metrics: by name, in the units of ``quantities.METRICS``; NaN where there is no value,
+        metrics: by name, in the units of ``quantities.metrics``; NaN where there is no value,
             such as the settling time of a swing that never settled.
         audit: energy audit by entry, J; see ``docs/audit``.
     """
@@ -64,11 +53,16 @@ class Run:
         self.audit: dict[str, float] = dict(result["audit"])
         samples = np.asarray(result["samples"])
         self._columns: dict[str, NDArray[np.float64]] = {
-            name: samples[:, k] for k, name in enumerate(quantities.COLUMNS)
+            name: samples[:, k] for k, name in enumerate(self.quantities.columns)
         }
         if isinstance(law, PythonLaw):
-            for name in quantities.LAW_COLUMNS:  # a law of one's own has no drag estimate here
+            for name in self.quantities.law_columns:  # of what a law of one's own does not tell
                 del self._columns[name]
+
+    @property
+    def quantities(self) -> Quantities:
+        """Names, units and meanings of columns, metrics and audit entries."""
+        return self.scenario.quantities
 
     @property
     def t(self) -> NDArray[np.float64]:
@@ -77,7 +71,7 @@ class Run:
 
     @property
     def columns(self) -> list[str]:
-        """Names of the trajectory's columns; ``quantities.COLUMNS`` has units and meanings."""
+        """Names of the trajectory's columns; ``quantities.columns`` has units and meanings."""
         return list(self._columns)
 
     @property
@@ -86,28 +80,17 @@ class Run:
         return self.status == "finished"
 
     @property
-    def closure_residual(self) -> float:
-        """Largest distance by which the seven coordinates miss the bar's geometry, m."""
-        return float(np.nanmax(self._columns["closure_residual"]))
-
-    @property
     def ending(self) -> str:
         """How the run ended, as a sentence."""
         when = f"at t = {self.end_time:.3f} s"
-        if self.status == "finished":
-            return f"ran to its end {when}, cables taut throughout"
-        if self.status == "slack":
-            return (
-                f"stopped {when}: cable {self.culprit + 1} would go slack, where the taut-cable "
-                "model ends"
-            )
-        if self.status == "swing_limit":
-            return f"stopped {when}: |theta{self.culprit + 1}| reached 90 degrees, assumption 3"
-        last = ", ".join(
-            f"{name} = {self._columns[name][-1]:.4g}"
-            for name in ("y1", "z1", "y2", "z2", "theta1", "theta2", "theta3")
-        )
-        return f"diverged {when}: {last}"
+        if self.finished:
+            return f"ran to its end {when}"
+        return f"stopped {when}: {self.scenario.model.reason(self.status, self.culprit)}"
+
+    @property
+    def residuals(self) -> dict[str, float]:
+        """Largest amounts by which the run missed what must hold exactly, by name."""
+        return {name: float(np.nanmax(self._columns[name])) for name in self.quantities.residuals}
 
     def __getitem__(self, column: str) -> NDArray[np.float64]:
         """A column of the trajectory, such as ``run["theta1"]``; SI and radians."""
@@ -118,41 +101,6 @@ class Run:
 
     def __repr__(self) -> str:
         return f"Run({self.scenario.name!r}, {self.controller!r}: {self.ending})"
-
-    def thrust_attitude(self) -> dict[str, NDArray[np.float64]]:
-        """Thrust f_i, N, and attitude phi_i, rad towards +y, as commanded and as applied.
-
-        From u by the paper's definition below (6); keys ``thrust1``, ``attitude1``,
-        ``thrust1_applied``, ``attitude1_applied`` and the same for vehicle 2.
-        """
-        result = {}
-        # A command is worked out with what the law assumes; what acts, with what is.
-        for suffix, table in (("", "controller.assumed"), ("_applied", "plant")):
-            masses, bar = (self.scenario[f"{table}.{k}"] for k in ("vehicle_mass", "bar_mass"))
-            gravity = self.scenario[f"{table}.gravity"]
-            for i in (1, 2):
-                along = self[f"u{2 * i - 1}{suffix}"]
-                up = self[f"u{2 * i}{suffix}"] + (masses[i - 1] + 0.5 * bar) * gravity
-                result[f"thrust{i}{suffix}"] = np.hypot(along, up)
-                result[f"attitude{i}{suffix}"] = np.arctan2(along, up)
-        return result
-
-    def recoveries(self) -> list[Recovery]:
-        """How the swing died away after each push; pushes that start together count as one."""
-        starts = sorted({float(push["start"]) for push in self.scenario.values["push"]})
-        swing = np.degrees(np.maximum(np.abs(self["theta1"]), np.abs(self["theta2"])))
-        result = []
-        for start, until in zip(starts, [*starts[1:], math.inf], strict=False):
-            window = (self.t >= start - 1e-9) & (self.t < until - 1e-9)
-            if not window.any():
-                break  # the run ended before
-            outside = self.t[window][swing[window] > 1.0]
-            settled = outside.size == 0 or outside[-1] < self.t[window][-1]
-            cut = not self.finished and until > self.end_time
-            last = float(outside[-1]) if outside.size else start
-            time = last - start if settled and not cut else math.nan
-            result.append(Recovery(start, float(swing[window].max()), time))
-        return result
 
     def to_dataframe(self) -> pd.DataFrame:
         """The trajectory as a pandas table: ``columns`` and the controller's name.
@@ -169,14 +117,12 @@ class Run:
         return frame
 
     def plot(self) -> Figure:
-        """Positions, angles, estimates and commands as the paper draws them.
+        """One figure of the whole run: positions, angles, commands.
 
         Raises:
             MissingExtraError: without matplotlib (``multilift[plot]``).
         """
-        from multilift import plot  # noqa: PLC0415 - loads matplotlib
-
-        return plot.overview([self])
+        return self.scenario.model.overview([self])
 
     def summary(self) -> dict[str, Any]:
         """Status, metrics and audit as JSON-ready values; numbers that do not exist are None."""
@@ -185,12 +131,9 @@ class Run:
             "status": self.status,
             "ending": self.ending,
             "end_time": self.end_time,
-            "metrics": {k: _finite(v) for k, v in self.metrics.items()},
-            "audit": {k: _finite(v) for k, v in self.audit.items()},
-            "closure_residual": _finite(self.closure_residual),
-            "recoveries": [
-                {k: _finite(v) for k, v in asdict(r).items()} for r in self.recoveries()
-            ],
+            "metrics": {k: finite(v) for k, v in self.metrics.items()},
+            "audit": {k: finite(v) for k, v in self.audit.items()},
+            **{k: finite(v) for k, v in self.residuals.items()},
         }
 
     def save(self, target: str | Path, *, force: bool = False) -> Path:
@@ -252,7 +195,7 @@ def write_parquet(run: Run, file: Path) -> None:
         raise MissingExtraError("pyarrow", "data", "writing Parquet") from None
     fields, arrays = [], []
     for name in run.columns:
-        quantity = quantities.COLUMNS[name]
+        quantity = run.quantities.columns[name]
         meta = {"unit": quantity.unit, "description": quantity.doc}
         fields.append(pa.field(name, pa.float64(), metadata=meta))
         arrays.append(pa.array(run[name]))
@@ -265,5 +208,6 @@ def write_parquet(run: Run, file: Path) -> None:
     pq.write_table(pa.table(arrays, schema=pa.schema(fields, metadata=meta)), file)
 
 
-def _finite(x: float) -> float | None:
+def finite(x: float) -> float | None:
+    """A number, or None where it is no finite one, for JSON."""
     return x if math.isfinite(x) else None

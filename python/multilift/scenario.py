@@ -7,14 +7,15 @@ from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import tomli_w
 
-from multilift import geometry, keys, linear, schema, validation
+from multilift import keys, models, schema, validation
 from multilift.errors import ScenarioError
-from multilift.geometry import Vector
+from multilift.models import Model
+from multilift.quantities import Quantities
 
 
 class Scenario:
@@ -23,12 +24,19 @@ class Scenario:
     Tables read as attributes with NumPy arrays: ``scenario.plant.vehicle_mass[0]``. All values
     are SI and radians; see ``docs/scenario-reference``.
 
+    ``Scenario(raw)`` gives one of its model's class, which has more to say of it, as ``Path(name)``
+    gives one of the system's: a :class:`~multilift.models.planar.scenario.PlanarScenario` where
+    ``plant.model`` is "planar".
+
     Attributes:
         where: the file it came from, or a description.
         values: every table complete with defaults, as plain Python values.
-        q_start: the seven coordinates at the start, shape (7,), m and rad.
-        q_dot_start: their rates, shape (7,), m/s and rad/s.
     """
+
+    def __new__(cls, raw: Mapping[str, Any] | None = None, where: str = "scenario") -> Scenario:
+        """Of the class of the model that `raw` names; unpickling knows its class already."""
+        named = cls is Scenario and raw is not None
+        return object.__new__(models.of(raw or {}, where).scenario_type if named else cls)
 
     def __init__(self, raw: Mapping[str, Any], where: str = "scenario") -> None:
         """Checks `raw`, the tables as a TOML file holds them.
@@ -38,16 +46,22 @@ class Scenario:
         """
         self.where = where
         self._raw: dict[str, Any] = deepcopy(dict(raw))
-        self.values = validation.normalise(self._raw, where)
-        self._plant_values = schema.flatten(self.values["plant"], schema.PLANT.fields[1:])
-        validation.check_limits(self.values, where)
-        self.q_start, self.q_dot_start = geometry.start_coordinates(
-            self.values["plant"], self._plant_values, self.values["start"], where
-        )
-        validation.check_goal(self.values, where)
-        linear.check_step(self, where)
-        validation.check_timing(self.values, where)
-        validation.check_pushes(self.values, where)
+        self.values = validation.normalise(models.of(self._raw, where), self._raw, where)
+        self._check()
+
+    def _check(self) -> None:
+        """Checks what the complete tables must satisfy together; of the model's class."""
+        raise NotImplementedError
+
+    @property
+    def model(self) -> Model:
+        """The model that ``plant.model`` names."""
+        return models.by_name(self.values["plant"]["model"])
+
+    @property
+    def quantities(self) -> Quantities:
+        """Names, units and meanings of what a run of this scenario returns."""
+        return self.model.quantities(self)
 
     @property
     def name(self) -> str:
@@ -107,22 +121,22 @@ class Scenario:
             node[last] = value
         for key, value in plain.items():
             if keys.has_index(key):
-                complete = validation.normalise(raw, self.where)
+                complete = validation.normalise(models.of(raw, self.where), raw, self.where)
                 keys.put(raw, complete, key, value, self.where)
         return Scenario(raw, self.where)
 
-    def with_law(self, law: str) -> Scenario:
+    def with_law(self, law: str) -> Self:
         """The same scenario under another compiled law; gains that both know carry over.
 
         Raises:
             ScenarioError: if the law is unknown or needs gains that the scenario lacks.
         """
-        schema.CONTROLLER_COMMON[0].normalise(law, self.where, "controller.law")
-        known = {f.name for f in schema.controller_table(law).fields} | {"assumed"}
+        choice = schema.controller_fields(tuple(self.model.laws))[0]
+        known = self.model.controller_keys(choice.normalise(law, self.where, "controller.law"))
         raw = deepcopy(self._raw)
         raw["controller"] = {k: v for k, v in raw["controller"].items() if k in known}
         raw["controller"]["law"] = law
-        return Scenario(raw, self.where)
+        return type(self)(raw, self.where)
 
     def raw(self) -> dict[str, Any]:
         """The tables as the file and later changes give them, without defaults."""
@@ -132,39 +146,17 @@ class Scenario:
         """The complete scenario, defaults included, as a file that loads to the same one."""
         return tomli_w.dumps(_without_none({"schema": validation.SCHEMA_VERSION, **self.values}))
 
-    # What the compiled core takes.
-
-    def plant_values(self) -> list[float]:
-        """The plant's numbers in the core's order."""
-        return list(self._plant_values)
-
-    def assumed_values(self) -> list[float]:
-        """The plant as the law assumes it, in the core's order."""
-        return schema.flatten(self.values["controller"]["assumed"], schema.PLANT.fields[1:])
-
-    def assumes(self, name: str) -> bool:
-        """Whether the scenario says what the law assumes of a plant's key, right or wrong."""
-        return name in self._raw["controller"].get("assumed", {})
-
-    def gain_values(self) -> list[float]:
-        """The law's gains in the core's order."""
-        return schema.flatten(self.values["controller"], schema.gain_fields(self.law))
-
-    def goal_vector(self) -> Vector:
-        """[y1d, z1d, y2d, z2d], m."""
-        return np.ravel(np.array(self.values["goal"]["vehicle_position"]))
+    def gives(self, key: str) -> bool:
+        """Whether the file or a later change gives a key itself, so that it is no default."""
+        try:
+            keys.look_up(self._raw, key)
+        except KeyError:
+            return False
+        return True
 
     def control_period(self) -> float:
         """Time between two steps of the law, s."""
         return 1.0 / float(self.values["controller"]["rate"])
-
-    def is_ideal(self) -> bool:
-        """True where actuators and sensors have no imperfection, so that none is simulated."""
-        return all(
-            self.values[t.name][f.name] == f.default
-            for t in (schema.ACTUATORS, schema.SENSORS)
-            for f in t.fields
-        )
 
 
 def load(path: str | Path) -> Scenario:

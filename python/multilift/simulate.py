@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from multilift import _core, controllers, schema
+from multilift import controllers
 from multilift.run import Run
 from multilift.scenario import Scenario
 
@@ -25,44 +25,4 @@ def simulate(scenario: Scenario, controller: Any = None) -> Run:
         ScenarioError: if the scenario lacks a gain that the law needs.
     """
     law, scenario = controllers.resolve(controller, scenario)
-    setup = _setup(scenario)
-    if isinstance(law, controllers.CompiledLaw):
-        result = _core.planar_rollout(setup, law.name, scenario.gain_values())
-    else:
-        result = _core.planar_rollout_python(setup, law.callback(scenario))
-    return Run(scenario, law, result)
-
-
-def _setup(scenario: Scenario) -> _core.PlanarSetup:
-    values = scenario.values
-    simulation = values["simulation"]
-    step = simulation["step"]
-    return _core.PlanarSetup(
-        plant=scenario.plant_values(),
-        assumed_plant=scenario.assumed_values(),
-        q=scenario.q_start.tolist(),
-        q_dot=scenario.q_dot_start.tolist(),
-        goal=scenario.goal_vector().tolist(),
-        pushes=[
-            _core.PlanarPush(
-                push["body"],
-                push["force"],
-                push["torque"],
-                push["shape"],
-                push["start"],
-                push["duration"],
-                push["frequency"] or 0.0,
-                push["sample_times"] or [],
-                push["sample_values"] or [],
-            )
-            for push in values["push"]
-        ],
-        step=step,
-        steps=round(simulation["duration"] / step),
-        control_steps=round(scenario.control_period() / step),
-        record_steps=round(simulation["record_period"] / step),
-        actuators=schema.flatten(values["actuators"], schema.ACTUATORS.fields),
-        sensors=schema.flatten(values["sensors"], schema.SENSORS.fields),
-        ideal=scenario.is_ideal(),
-        seed=simulation["seed"],
-    )
+    return scenario.model.simulate(scenario, law)

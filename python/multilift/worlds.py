@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from multilift import batch, layout
+from multilift import batch
 from multilift import isa as instruction_sets
 from multilift.errors import ControllerError, ScenarioError
+from multilift.models.planar import MODEL, layout
+from multilift.models.planar.scenario import planar_only
 from multilift.overrides import Columns
 from multilift.scenario import Scenario
 
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Names of a world's statuses by their code; -1, the last, while it runs.
-STATUSES = np.array([*batch.STATUSES, "running"])
+STATUSES = np.array([*MODEL.statuses, "running"])
 
 
 class Worlds:
@@ -79,10 +81,11 @@ class Worlds:
             isa: instruction set to use; None for the widest (:mod:`multilift.isa`).
 
         Raises:
-            ScenarioError: for overrides that no scenario file may hold, for those that would give
-                worlds clocks of their own, and for actuators or sensors that are not ideal.
+            ScenarioError: for a scenario that is not planar, for overrides that no scenario file
+                may hold, for those that would give worlds clocks of their own, and for actuators
+                or sensors that are not ideal.
         """
-        self.scenario = scenario
+        self.scenario = scenario = planar_only(scenario, "multilift.Worlds")
         self.period = scenario.control_period()
         self._given: dict[str, ArrayLike] = dict(batch.as_mapping(overrides) or {})
         columns = self._columns(self._given, count)
@@ -193,7 +196,7 @@ class Worlds:
 
     def _columns(self, given: Mapping[str, ArrayLike], count: int | None) -> Columns:
         columns = Columns(self.scenario, given, count)
-        own_clock = [key for key in batch.TIMING if columns.is_own(key)]
+        own_clock = [key for key in MODEL.clock if columns.is_own(key)]
         if own_clock:
             raise ScenarioError(
                 "differs from world to world, but worlds are stepped by one clock",

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from multilift import provenance, quantities, report
+from multilift import provenance, report
+from multilift.models.planar import quantities
+from multilift.models.planar.run import PlanarRun
+from multilift.models.planar.scenario import PlanarScenario
 from multilift.paper import claims
-from multilift.run import Run
-from multilift.scenario import Scenario
 from multilift.styles import LAW_LABELS
 
 #: The paper's figures of each test: response, commands.
@@ -62,7 +63,7 @@ def figure_stem(number: int, name: str, kind: str) -> str:
     return f"fig{number:02d}_{name}_{kind}"
 
 
-def assumptions(scenario: Scenario) -> list[str]:
+def assumptions(scenario: PlanarScenario) -> list[str]:
     """What the paper does not give for a test and this scenario chose, with its values."""
     plant, law, sim = scenario.plant, scenario.controller, scenario.simulation
     drag, swing = _span(plant.vehicle_drag), _span(plant.swing_damping)
@@ -94,7 +95,7 @@ def assumptions(scenario: Scenario) -> list[str]:
 
 
 def build(
-    runs: Mapping[str, Mapping[str, Run]],
+    runs: claims.Runs,
     figures: Path,
     tables: Sequence[report.Sensitivity],
     beside: Sequence[str],
@@ -156,7 +157,7 @@ def build(
     )
 
 
-def _summary(runs: Mapping[str, Mapping[str, Run]], found: Sequence[report.Claim]) -> list[str]:
+def _summary(runs: claims.Runs, found: Sequence[report.Claim]) -> list[str]:
     sim1 = runs["sim1"]
     peak = {law: sim1[law].metrics["peak_swing_1"] for law in LAW_LABELS}
     swing = {law: sim1[law].metrics["swing_settling_time"] for law in LAW_LABELS}
@@ -196,7 +197,7 @@ def _metric_infos() -> list[report.MetricInfo]:
     ]
 
 
-def _test(laws: Mapping[str, Run], figures: Path) -> report.PaperTest:
+def _test(laws: Mapping[str, PlanarRun], figures: Path) -> report.PaperTest:
     scenario = laws["energy_coupled"].scenario
     name, (response, command) = scenario.name, FIGURES[scenario.name]
     plant = scenario.plant
@@ -247,7 +248,7 @@ def _test(laws: Mapping[str, Run], figures: Path) -> report.PaperTest:
     )
 
 
-def _run_view(run: Run) -> report.RunView:
+def _run_view(run: PlanarRun) -> report.RunView:
     series = {column: run[column] for column in run.columns}
     applied = run.thrust_attitude()
     for k in (1, 2):

@@ -16,13 +16,15 @@ from rich.table import Table
 
 from multilift import controllers, library, provenance, storage
 from multilift.errors import ControllerError, MissingExtraError
+from multilift.models.planar.run import PlanarRun, planar_run
 from multilift.run import Run, write_json, write_parquet
 from multilift.scenario import load
 from multilift.simulate import simulate
 from multilift.styles import LAW_LABELS
 
 try:
-    from multilift import plot, report
+    from multilift import report
+    from multilift.models.planar import plot
     from multilift.paper import page, sensitivity
 except ImportError as error:
     if isinstance(error, MissingExtraError):
@@ -37,7 +39,7 @@ class Result:
     """Where the report lies, and the runs by scenario, then controller."""
 
     report: Path
-    runs: dict[str, dict[str, Run]]
+    runs: dict[str, dict[str, PlanarRun]]
 
 
 def reproduce(
@@ -77,11 +79,11 @@ def reproduce(
         ) as progress,
     ):
         task = progress.add_task("simulating", total=total)
-        runs: dict[str, dict[str, Run]] = {}
+        runs: dict[str, dict[str, PlanarRun]] = {}
         for name in page.FIGURES:
             runs[name] = {}
             for law in laws:
-                run = simulate(load(name), law)
+                run = planar_run(simulate(load(name), law))
                 runs[name][run.controller] = run
                 _write_run(run, folder / name)
                 progress.advance(task)
@@ -122,7 +124,7 @@ def reproduce(
     return Result(target / "report.html", runs)
 
 
-def summary_table(runs: dict[str, dict[str, Run]]) -> Table:
+def summary_table(runs: dict[str, dict[str, PlanarRun]]) -> Table:
     """The main metrics of every run, for the terminal."""
     early = any(not run.finished for laws in runs.values() for run in laws.values())
     heads = ["test", "law", "peak swing", "quiet after", "at goal after", "overshoot"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,38 @@ from numpy.typing import NDArray
 Series = Mapping[str, NDArray[np.float64]]
 """Columns of a run by name, each as long as `t`.
 
-Needed are t, y1, z1, y2, z2, theta1 and theta2. What else is there is shown: theta3, the rates
-(`*_dot`), u1..u4, u1_applied..u4_applied, tension1, tension2, d_hat_y1, d_hat_z1, d_hat_y2,
-d_hat_z2, storage, bar_y, bar_z, thrust1, thrust2 (N), attitude1 and attitude2 (rad, positive
-towards +y).
+The page's model says which are needed and which are shown where they are there, see `View`. Of the
+planar one needed are t, y1, z1, y2, z2, theta1 and theta2; shown: theta3, the rates (`*_dot`),
+u1..u4, u1_applied..u4_applied, tension1, tension2, d_hat_y1, d_hat_z1, d_hat_y2, d_hat_z2, storage,
+bar_y, bar_z, thrust1, thrust2 (N), attitude1 and attitude2 (rad, positive towards +y).
 """
 
 Body = Literal["bar", "vehicle_1", "vehicle_2"]
 PushShape = Literal["pulse", "half_sine", "sine", "samples"]
 Verdict = Literal["holds", "holds in part", "does not hold", "cannot be checked"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """What the page shows of the runs of a model; each model has one.
+
+    Attributes:
+        animated: columns that the animation needs of every run; "t" is the first.
+        traced: columns that it draws where a run has them, and that have no curve.
+        curves: what the interactive curves can show: groups of panels, as charts.js reads them.
+        applied: columns of what acts, by the column of what was commanded; left out where all runs
+            of a test act as commanded.
+        ranges: by the name that the animation knows, columns whose common range scales it.
+        player: the script that animates.
+    """
+
+    animated: tuple[str, ...]
+    traced: tuple[str, ...]
+    curves: Sequence[Mapping[str, Any]]
+    applied: Mapping[str, str]
+    ranges: Mapping[str, tuple[str, ...]]
+    player: str
+
 
 DEFAULT_AUDIT_NOTE = (
     "The storage function is the quantity that the stability proof says can only fall. Its change "
@@ -213,6 +236,7 @@ class Page:
         commands: How to run everything again; each test's own command is added.
         provenance: (label, value) pairs.
         files: Files beside the page.
+        model: Whose runs these are; it says what the animation and the curves show.
     """
 
     title: str
@@ -229,3 +253,4 @@ class Page:
     commands: Sequence[Command] = ()
     provenance: Sequence[tuple[str, str]] = ()
     files: Sequence[FileInfo] = ()
+    model: str = "planar"

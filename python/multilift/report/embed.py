@@ -10,179 +10,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift.report.contents import PaperTest, RunView
+from multilift.report.contents import PaperTest, RunView, View
 from multilift.report.text import listed, ordinal
 from multilift.styles import DESIRED_STYLE, law_styles
 
-_ANIMATED = ("t", "y1", "z1", "y2", "z2", "theta1", "theta2")
-_APPLIED = ("u1_applied", "u2_applied", "u3_applied", "u4_applied")
-_DEGREE = 180.0 / math.pi
+
+def _embedded(view: View) -> list[str]:
+    """The columns to embed, where a run has them, in order."""
+    shown = [panel["column"] for group in view.curves for panel in group["panels"]]
+    return list(dict.fromkeys(["t", *view.traced, *shown, *view.animated]))
 
 
-def _panel(
-    column: str,
-    symbol: str,
-    meaning: str,
-    unit: str,
-    *,
-    side: int = 0,
-    factor: float = 1.0,
-    desired: str = "",
-) -> dict[str, Any]:
-    return {
-        "column": column,
-        "symbol": symbol,
-        "meaning": meaning,
-        "unit": unit,
-        "side": side,
-        "factor": factor,
-        "desired": desired,
-    }
-
-
-def _per_vehicle(
-    names: Sequence[tuple[str, str, str]], unit: str, *, goal: bool = False
-) -> list[dict[str, Any]]:
-    """Panels of vehicle 1, then as many of vehicle 2."""
-    return [
-        _panel(*name, unit, side=2 * k // len(names), desired=f"goal{k}" if goal else "")
-        for k, name in enumerate(names)
-    ]
-
-
-def _angles(names: Sequence[tuple[str, str, str]], unit: str, desired: str) -> list[dict[str, Any]]:
-    return [_panel(*name, unit, factor=_DEGREE, desired=desired) for name in names]
-
-
-# What the interactive curves can show; `side` is the column of panels, one for each vehicle.
-_QUANTITIES: list[dict[str, Any]] = [
-    {
-        "name": "Positions",
-        "panels": _per_vehicle(
-            [
-                ("y1", "y₁", "vehicle 1 to the right"),
-                ("z1", "z₁", "vehicle 1 up"),
-                ("y2", "y₂", "vehicle 2 to the right"),
-                ("z2", "z₂", "vehicle 2 up"),
-            ],
-            "m",
-            goal=True,
-        ),
-    },
-    {
-        "name": "Angles",
-        "panels": _angles(
-            [
-                ("theta1", "θ₁", "cable 1"),
-                ("theta2", "θ₂", "cable 2"),
-                ("theta3", "θ₃", "bar"),
-            ],
-            "°",
-            "zero",
-        ),
-    },
-    {
-        "name": "Velocities",
-        "panels": _per_vehicle(
-            [
-                ("y1_dot", "dy₁/dt", "vehicle 1 to the right"),
-                ("z1_dot", "dz₁/dt", "vehicle 1 up"),
-                ("y2_dot", "dy₂/dt", "vehicle 2 to the right"),
-                ("z2_dot", "dz₂/dt", "vehicle 2 up"),
-            ],
-            "m/s",
-        ),
-    },
-    {
-        "name": "Angle rates",
-        "panels": _angles(
-            [
-                ("theta1_dot", "dθ₁/dt", "cable 1"),
-                ("theta2_dot", "dθ₂/dt", "cable 2"),
-                ("theta3_dot", "dθ₃/dt", "bar"),
-            ],
-            "°/s",
-            "",
-        ),
-    },
-    {
-        "name": "Commands",
-        "panels": _per_vehicle(
-            [
-                ("u1", "u₁", "vehicle 1 along y"),
-                ("u2", "u₂", "vehicle 1 along z"),
-                ("u3", "u₃", "vehicle 2 along y"),
-                ("u4", "u₄", "vehicle 2 along z"),
-            ],
-            "N",
-        ),
-        "note": "As the law gave them; u₂ and u₄ come on top of the force that carries the weight.",
-    },
-    {
-        "name": "Commands as they act",
-        "panels": _per_vehicle(
-            [
-                ("u1_applied", "u₁", "as it acts on vehicle 1 along y"),
-                ("u2_applied", "u₂", "as it acts on vehicle 1 along z"),
-                ("u3_applied", "u₃", "as it acts on vehicle 2 along y"),
-                ("u4_applied", "u₄", "as it acts on vehicle 2 along z"),
-            ],
-            "N",
-        ),
-        "note": "After the limits, delays and lags of the vehicles.",
-    },
-    {
-        "name": "Thrust and tilt",
-        "panels": [
-            _panel("thrust1", "thrust", "vehicle 1", "N"),
-            _panel("attitude1", "tilt", "vehicle 1", "°", factor=_DEGREE),
-            _panel("thrust2", "thrust", "vehicle 2", "N", side=1),
-            _panel("attitude2", "tilt", "vehicle 2", "°", side=1, factor=_DEGREE),
-        ],
-    },
-    {
-        "name": "Tensions",
-        "panels": _per_vehicle(
-            [("tension1", "tension", "cable 1"), ("tension2", "tension", "cable 2")], "N"
-        ),
-    },
-    {
-        "name": "Drag estimates",
-        "panels": _per_vehicle(
-            [
-                ("d_hat_y1", "estimate along y", "vehicle 1"),
-                ("d_hat_z1", "estimate along z", "vehicle 1"),
-                ("d_hat_y2", "estimate along y", "vehicle 2"),
-                ("d_hat_z2", "estimate along z", "vehicle 2"),
-            ],
-            "N s/m",
-        ),
-        "note": "The estimates need not approach the drag that acts.",
-    },
-    {
-        "name": "Storage function",
-        "panels": [_panel("storage", "storage function", "", "J")],
-        "note": "Each law has its own storage function: compare its course with another law's, not "
-        "its level.",
-    },
-]
-_EMBEDDED = (
-    "t",
-    "bar_y",
-    "bar_z",
-    *(panel["column"] for quantity in _QUANTITIES for panel in quantity["panels"]),
-)
-
-
-def _checked(test: PaperTest, run: RunView) -> dict[str, NDArray[np.float64]]:
+def _checked(test: PaperTest, run: RunView, view: View) -> dict[str, NDArray[np.float64]]:
     """The columns to embed; raises ValueError for a series that cannot be drawn."""
     where = f"test {test.key!r}, law {run.law!r}"
-    absent = [name for name in _ANIMATED if name not in run.series]
+    absent = [name for name in view.animated if name not in run.series]
     if absent:
         raise ValueError(f"{where}: the series lacks {listed(absent)}")
     columns = {
         name: np.asarray(run.series[name], dtype=np.float64)
-        for name in dict.fromkeys(_EMBEDDED)
+        for name in _embedded(view)
         if name in run.series
     }
     shape = columns["t"].shape
@@ -235,9 +82,9 @@ def _range(runs: Sequence[Mapping[str, NDArray[np.float64]]], names: Sequence[st
     ]
 
 
-def _acts_as_commanded(columns: Mapping[str, NDArray[np.float64]]) -> bool:
-    for name in _APPLIED:
-        command = columns.get(name.removesuffix("_applied"))
+def _acts_as_commanded(columns: Mapping[str, NDArray[np.float64]], view: View) -> bool:
+    for name, commanded in view.applied.items():
+        command = columns.get(commanded)
         if name not in columns or command is None:
             continue
         if not np.array_equal(columns[name], command, equal_nan=True):
@@ -245,10 +92,10 @@ def _acts_as_commanded(columns: Mapping[str, NDArray[np.float64]]) -> bool:
     return True
 
 
-def _test_data(test: PaperTest, max_points: int) -> dict[str, Any]:
-    checked = [_checked(test, run) for run in test.runs]
-    if all(_acts_as_commanded(columns) for columns in checked):  # the same curves twice
-        checked = [{k: v for k, v in c.items() if k not in _APPLIED} for c in checked]
+def _test_data(test: PaperTest, view: View, max_points: int) -> dict[str, Any]:
+    checked = [_checked(test, run, view) for run in test.runs]
+    if all(_acts_as_commanded(columns, view) for columns in checked):  # the same curves twice
+        checked = [{k: v for k, v in c.items() if k not in view.applied} for c in checked]
     runs = []
     for run, columns in zip(test.runs, checked, strict=True):
         stride = _stride(len(columns["t"]), max_points)
@@ -273,14 +120,18 @@ def _test_data(test: PaperTest, max_points: int) -> dict[str, Any]:
         "start": [float(x) for x in test.start],
         "goal": [float(x) for x in test.goal],
         "pushes": [asdict(push) for push in test.pushes],
-        "tension": _range(bounded, ("tension1", "tension2")),
-        "thrust": _range(bounded, ("thrust1", "thrust2")),
+        **{name: _range(bounded, columns) for name, columns in view.ranges.items()},
         "runs": runs,
     }
 
 
-def page_data(tests: Sequence[PaperTest], max_points: int) -> dict[str, Any]:
+def page_data(tests: Sequence[PaperTest], view: View, max_points: int) -> dict[str, Any]:
     """Everything that the page's scripts draw.
+
+    Args:
+        tests: with their runs.
+        view: what is shown of them.
+        max_points: about how many records of each run.
 
     Raises:
         ValueError: A series cannot be drawn.
@@ -289,8 +140,8 @@ def page_data(tests: Sequence[PaperTest], max_points: int) -> dict[str, Any]:
     return {
         "styles": {name: asdict(style) for name, style in styles.items()},
         "desired": asdict(DESIRED_STYLE),
-        "quantities": _QUANTITIES,
-        "tests": [_test_data(test, max_points) for test in tests],
+        "quantities": view.curves,
+        "tests": [_test_data(test, view, max_points) for test in tests],
     }
 
 

@@ -16,6 +16,7 @@ import jinja2
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from multilift import models
 from multilift.report.contents import Claim, Figure, Page, PaperTest
 from multilift.report.embed import drawn_note, page_data
 from multilift.report.tables import Row, audit_rows, key_table, metric_row, missing_notes
@@ -135,6 +136,7 @@ def render(page: Page, *, max_points: int = 1500) -> str:
     """
     if max_points < 2:
         raise ValueError("max_points must be at least 2")
+    view = models.by_name(page.model).view()
     views = [_test_view(page, test, max_points) for test in page.tests]
     _check(page, views)
     environment = jinja2.Environment(
@@ -153,7 +155,7 @@ def render(page: Page, *, max_points: int = 1500) -> str:
         verdicts={name: entry[0] for name, entry in _VERDICTS.items()},
         verdict_counts=_verdict_counts(page.claims),
         style=Markup(_resource("style.css")),
-        scripts=[_script(_resource(name)) for name in ("page.js", "player.js", "charts.js")],
-        data=_safe_json(page_data(page.tests, max_points)),
+        scripts=[_script(_resource(name)) for name in ("page.js", view.player, "charts.js")],
+        data=_safe_json(page_data(page.tests, view, max_points)),
         plotly=_script(get_plotlyjs()),
     )

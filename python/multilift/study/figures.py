@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -12,8 +13,7 @@ import numpy as np
 from multilift.plot import RC, LineStyle, line_styles
 from multilift.study import binning
 from multilift.study.binning import Bins
-from multilift.study.rows import OUTCOMES
-from multilift.study.spec import Map, quantity
+from multilift.study.spec import Map, Study
 from multilift.study.statistics import wilson
 from multilift.study.store import Store
 from multilift.study.summary import Summary, successes
@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MET, _MISSED = "#3B7F5C", "#B9C7BF"
-_ENDED = {"slack": "#E69F00", "swing_limit": "#CC79A7", "diverged": "#444444"}
+_DIVERGED = "#444444"
+#: Of other early ends, in the model's order; the light one is written on in black.
+_ENDED = ("#E69F00", "#CC79A7", "#0072B2", "#56B4E9", "#D55E00")
+_LIGHT = (_MISSED, "#E69F00", "#56B4E9")
 
 
 @dataclass(frozen=True)
@@ -93,8 +96,8 @@ def _outcomes(summary: Summary) -> Drawing:
             ("success", _MET, [law.successes for law in laws]),
             ("ran to the end, missed a criterion", _MISSED,
              [law.outcomes["finished"] - law.successes for law in laws]),
-            *((name.replace("_", " "), _ENDED[name], [law.outcomes[name] for law in laws])
-              for name in OUTCOMES[1:]),
+            *((name.replace("_", " "), colour, [law.outcomes[name] for law in laws])
+              for name, colour in _ended(summary.study).items()),
         ]  # fmt: skip
         for label, colour, counts in parts:
             if not any(counts):
@@ -103,7 +106,7 @@ def _outcomes(summary: Summary) -> Drawing:
             ax.barh(range(len(laws)), widths, left=left, color=colour, label=label, height=0.62)
             for k, (width, count) in enumerate(zip(widths, counts, strict=True)):
                 if width > 0.08:
-                    light = colour in (_MISSED, _ENDED["slack"])
+                    light = colour in _LIGHT
                     ax.text(left[k] + width / 2, k, f"{count:,}", ha="center", va="center",
                             fontsize=7, color="black" if light else "white")  # fmt: skip
             left += widths
@@ -116,6 +119,13 @@ def _outcomes(summary: Summary) -> Drawing:
         png = _png(figure)
     return Drawing("outcomes", "Outcomes", "How the worlds ended under each law.",
                    "Stacked bars of outcomes, one for each law", png)  # fmt: skip
+
+
+def _ended(study: Study) -> dict[str, str]:
+    """A colour for each way to end early."""
+    others = [name for name in study.outcomes[1:] if name != "diverged"]
+    colours = dict(zip(others, itertools.cycle(_ENDED), strict=False))
+    return {name: colours.get(name, _DIVERGED) for name in study.outcomes[1:]}
 
 
 def _distributions(columns: Columns) -> Drawing:
@@ -142,7 +152,7 @@ def _distributions(columns: Columns) -> Drawing:
                 low = min(ax.dataLim.x0, top)
                 pad = 0.04 * (top - low) or 0.5
                 ax.set_xlim(low - pad, top + pad)
-            ax.set_xlabel(_axis(name))
+            ax.set_xlabel(_axis(study, name))
             ax.set_ylim(0.0, 1.02)
         for ax in axes[len(metrics) :]:
             ax.set_visible(False)
@@ -187,7 +197,7 @@ def _influence(columns: Columns, varied: Sequence[Vary]) -> Drawing:
         axes[0, 0].set_ylabel("success rate")
         axes[0, 0].set_ylim(-0.03, 1.03)
         for row, name in enumerate(metrics, start=1):
-            axes[row, 0].set_ylabel(_axis(name).replace(" (", "\n("))
+            axes[row, 0].set_ylabel(_axis(study, name).replace(" (", "\n("))
         handles, labels = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels) or 1,
                       frameon=False)  # fmt: skip
@@ -277,7 +287,7 @@ def _map(columns: Columns, wanted: Map, number: int) -> Drawing:
             if binning.is_logarithmic(y):
                 ax.set_yscale("log")
         axes[0].set_ylabel(y.label)
-        what = "success rate" if wanted.show == "success" else f"median {_axis(wanted.show)}"
+        what = "success rate" if wanted.show == "success" else f"median {_axis(study, wanted.show)}"
         figure.colorbar(mesh, ax=axes, label=what)
         png = _png(figure)
     grey = "no world lies there" if wanted.show == "success" else (
@@ -290,6 +300,6 @@ def _map(columns: Columns, wanted: Map, number: int) -> Drawing:
     )  # fmt: skip
 
 
-def _axis(name: str) -> str:
-    unit = quantity(name).unit
+def _axis(study: Study, name: str) -> str:
+    unit = study.quantity(name).unit
     return name.replace("_", " ") + (f" ({unit})" if unit else "")

@@ -16,8 +16,6 @@ from multilift.report import law_styles
 from multilift.report.text import inline, listed, number
 from multilift.study import figures
 from multilift.study.figures import Drawing
-from multilift.study.rows import OUTCOMES
-from multilift.study.spec import quantity
 from multilift.study.statistics import Interval
 from multilift.study.store import Store, write_whole
 from multilift.study.summary import PROBABILITIES, Summary, toml_inline
@@ -66,9 +64,9 @@ def render(store: Store, summary: Summary, drawings: list[Drawing]) -> str:
         labels={law: figures.style(laws, law).label for law in laws},
         varied=[(v, distribution(v)) for v in study.vary],
         criteria=[c.sentence() for c in study.success],
-        quantity={name: quantity(name) for name in study.metrics},
+        quantity={name: study.quantity(name) for name in study.metrics},
         probabilities=[f"{100 * p:g} %" for p in PROBABILITIES],
-        outcomes=OUTCOMES,
+        outcomes=study.outcomes,
         kinds=list(dict.fromkeys(w.kind for w in summary.worst)),
         sampled=bool(study.sampled),
         provenance=list(provenance.describe().items()),

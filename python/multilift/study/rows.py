@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import quantities, schema
 from multilift.batch import Batch, simulate_batch
 from multilift.errors import MissingExtraError, ScenarioError
 from multilift.study.draws import SEED, draw
@@ -22,9 +21,6 @@ except ImportError:
     raise MissingExtraError("pyarrow", "study", "multilift study") from None
 
 Draws = Mapping[str, NDArray[Any]]
-
-#: Outcomes in the order in which tables and figures show them.
-OUTCOMES = ("finished", "slack", "swing_limit", "diverged")
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ def simulate(
 
 def overrides(study: Study, law: str, drawn: Draws) -> dict[str, NDArray[Any]]:
     """The scenario keys that the drawn numbers set under a law; gains it lacks are left out."""
-    gains = {f.name for f in schema.controller_table(law).fields} | {"assumed"}
+    gains = study.scenario.model.controller_keys(law)
     result: dict[str, NDArray[Any]] = {}
     for varied in study.vary:
         for key, value in varied.overrides(study.scenario, drawn[varied.name]).items():
@@ -110,19 +106,11 @@ def overrides(study: Study, law: str, drawn: Draws) -> dict[str, NDArray[Any]]:
     return result
 
 
-def reason(outcome: str, culprit: int) -> str:
-    """Why a run ended, empty if it reached its end."""
-    return {
-        "finished": "",
-        "slack": f"cable {culprit + 1} would go slack",
-        "swing_limit": f"|theta{culprit + 1}| reached 90 degrees",
-        "diverged": "diverged",
-    }[outcome]
-
-
 def arrow_schema(study: Study) -> pa.Schema:
     """The columns of a study's rows, each with unit and meaning in its metadata."""
+    names = study.scenario.quantities
     text = pa.dictionary(pa.int8(), pa.string())
+    why = pa.dictionary(_code_type(_reasons(study)), pa.string())
     columns = [
         ("world", pa.int64(), "", "number of the world; the same draws under every law"),
         ("controller", text, "", "name of the law"),
@@ -131,12 +119,12 @@ def arrow_schema(study: Study) -> pa.Schema:
     if study.draws_noise:
         columns.append((SEED, pa.int64(), "", "seed of the measurement noise"))
     columns += [
-        ("outcome", text, "", "finished, slack, swing_limit or diverged"),
-        ("reason", text, "", "why it ended early"),
-        ("culprit", pa.int8(), "", "which cable or angle, counted from 0; -1 if none"),
+        ("outcome", text, "", _alternatives(study.outcomes)),
+        ("reason", why, "", "why it ended early"),
+        ("culprit", pa.int8(), "", study.scenario.model.culprit_doc),
         ("end_time", pa.float64(), "s", "when the run ended"),
-        *((n, pa.float64(), q.unit, q.doc) for n, q in quantities.METRICS.items()),
-        *((f"audit.{n}", pa.float64(), q.unit, q.doc) for n, q in quantities.AUDIT.items()),
+        *((n, pa.float64(), q.unit, q.doc) for n, q in names.metrics.items()),
+        *((f"audit.{n}", pa.float64(), q.unit, q.doc) for n, q in names.audit.items()),
     ]
     return pa.schema(
         [pa.field(n, t, metadata={"unit": u, "description": d}) for n, t, u, d in columns]
@@ -156,22 +144,40 @@ def _table(study: Study, start: int, drawn: Draws, batches: list[Batch]) -> pa.T
         "end_time": np.concatenate([b.end_time for b in batches]),
     }
     codes = np.zeros(len(status), dtype=np.int8)
-    for k, outcome in enumerate(OUTCOMES):
+    for k, outcome in enumerate(study.outcomes):
         codes[status == outcome] = k
-    reasons = list(dict.fromkeys(reason(o, c) for o in OUTCOMES for c in range(3)))
-    place = {(o, c): reasons.index(reason(o, max(c, 0))) for o in OUTCOMES for c in range(-1, 3)}
-    why = [place[OUTCOMES[o], int(c)] if c < 3 else 0 for o, c in zip(codes, culprit, strict=True)]
-    columns["outcome"] = _texts(codes, OUTCOMES)
-    columns["reason"] = _texts(np.array(why), reasons)
+    reasons = _reasons(study)
+    model, most = study.scenario.model, study.scenario.model.culprits(study.scenario)
+    place = np.array([[reasons.index(model.reason(o, max(c, 0))) for c in range(-1, most)]
+                      for o in study.outcomes])  # fmt: skip
+    columns["outcome"] = _texts(codes, study.outcomes)
+    columns["reason"] = _texts(place[codes, culprit + 1], reasons)
     columns["culprit"] = np.where(codes == 0, -1, culprit).astype(np.int8)
-    for name in quantities.METRICS:
+    for name in study.scenario.quantities.metrics:
         columns[name] = np.concatenate([b.metrics[name] for b in batches])
-    for name in quantities.AUDIT:
+    for name in study.scenario.quantities.audit:
         columns[f"audit.{name}"] = np.concatenate([b.audit[name] for b in batches])
     arrays = [c if isinstance(c := columns[f.name], pa.Array) else pa.array(c, type=f.type)
               for f in layout]  # fmt: skip
     return pa.table(arrays, schema=layout)
 
 
-def _texts(codes: NDArray[Any], texts: Any) -> pa.DictionaryArray:
-    return pa.DictionaryArray.from_arrays(pa.array(codes.astype(np.int8)), pa.array(list(texts)))
+def _reasons(study: Study) -> list[str]:
+    """Every reason why a run of the study can end."""
+    model = study.scenario.model
+    culprits = range(model.culprits(study.scenario))
+    return list(dict.fromkeys(model.reason(o, c) for o in study.outcomes for c in culprits))
+
+
+def _alternatives(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+def _code_type(texts: Sequence[str]) -> pa.DataType:
+    return pa.int8() if len(texts) <= np.iinfo(np.int8).max else pa.int16()
+
+
+def _texts(codes: NDArray[Any], texts: Sequence[str]) -> pa.DictionaryArray:
+    return pa.DictionaryArray.from_arrays(
+        pa.array(codes, type=_code_type(texts)), pa.array(list(texts))
+    )

@@ -11,16 +11,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from multilift import library, quantities, scenario, schema
+import numpy as np
+
+from multilift import library, scenario, schema
 from multilift.errors import ScenarioError
+from multilift.fields import Field
+from multilift.keys import split_index
+from multilift.quantities import Quantity
 from multilift.scenario import Scenario
-from multilift.schema import Field
 from multilift.study import checks, vary
 from multilift.study.vary import Reader, Vary
 
 METHODS = ("random", "sobol", "latin_hypercube")
-DEFAULT_METRICS = ("peak_swing_1", "peak_swing_2", "swing_settling_time",
-                   "position_settling_time", "storage_rise")  # fmt: skip
 
 _KEYS = ("schema", "name", "title", "description", "scenario", "controllers", "count", "seed",
          "method", "metrics", "set", "vary", "success", "map")  # fmt: skip
@@ -33,18 +35,19 @@ class Criterion:
     Attributes:
         metric: a metric, ``end_time`` or ``audit.`` and an entry of the audit.
         below, above: what it must stay below and above; infinite where it need not.
+        unit: of these.
     """
 
     metric: str
     below: float = math.inf
     above: float = -math.inf
+    unit: str = ""
 
     def sentence(self) -> str:
         """In words, for tables."""
-        unit = quantity(self.metric).unit
         parts = [f"above {self.above:g}"] * math.isfinite(self.above)
         parts += [f"below {self.below:g}"] * math.isfinite(self.below)
-        return f"{self.metric} {' and '.join(parts)} {unit}".rstrip()
+        return f"{self.metric} {' and '.join(parts)} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ class Study:
     seed: int
     method: str
     vary: tuple[Vary, ...]
+    metrics: tuple[str, ...]
     success: tuple[Criterion, ...] = ()
-    metrics: tuple[str, ...] = DEFAULT_METRICS
     maps: tuple[Map, ...] = ()
 
     @property
@@ -113,16 +116,23 @@ class Study:
     @property
     def draws_noise(self) -> bool:
         """Whether worlds differ in the seed of their measurement noise."""
-        noisy = any(self.scenario["sensors." + f.name] for f in schema.SENSORS.fields
-                    if f.name.endswith("noise"))  # fmt: skip
-        targets = [t.key for v in self.vary for t in v.targets]
-        return "simulation.seed" not in targets and (
-            noisy or any(key.startswith("sensors.") and "noise" in key for key in targets)
-        )
+        keys = self.scenario.model.random_keys
+        noisy = any(np.any(self.scenario[key]) for key in keys)
+        targets = [split_index(t.key)[0] for v in self.vary for t in v.targets]
+        return "simulation.seed" not in targets and (noisy or any(key in keys for key in targets))
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """How runs can end, in the order in which tables and figures show them."""
+        return self.scenario.model.outcomes
 
     def under(self, law: str) -> Scenario:
         """The scenario under one of the laws."""
         return self.scenario.with_law(law) if law != self.scenario.law else self.scenario
+
+    def quantity(self, name: str) -> Quantity:
+        """Unit and meaning of a metric, of ``end_time`` or of ``audit.`` and an entry."""
+        return quantities_of(self.scenario)[name]
 
     def digest(self) -> str:
         """Fingerprint of everything that decides the rows, and of nothing else."""
@@ -207,25 +217,20 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Study:
         seed=_whole(raw, "seed", where, default=0, least=0, most=2**63 - 1),
         method=_text(raw, "method", where, "random", METHODS),
         vary=varied,
-        success=tuple(_criteria(raw, where)),
-        metrics=_metrics(raw, where),
-        maps=tuple(_maps(raw, varied, where)),
+        success=tuple(_criteria(raw, base, where)),
+        metrics=_metrics(raw, base, where),
+        maps=tuple(_maps(raw, base, varied, where)),
     )
     checks.check(study)
     return study
 
 
-def quantity(name: str) -> quantities.Quantity:
-    """Unit and meaning of a metric, of ``end_time`` or of ``audit.`` and an entry."""
-    if name == "end_time":
-        return quantities.Quantity(name, "s", "when the run ended")
-    if name.startswith("audit."):
-        return quantities.AUDIT[name.removeprefix("audit.")]
-    return quantities.METRICS[name]
-
-
-def _quantity_names() -> list[str]:
-    return [*quantities.METRICS, "end_time", *(f"audit.{name}" for name in quantities.AUDIT)]
+def quantities_of(base: Scenario) -> dict[str, Quantity]:
+    """What a study may ask of a scenario's runs: metrics, ``end_time``, the audit's entries."""
+    names = base.quantities
+    end = Quantity("end_time", "s", "when the run ended")
+    return {**names.metrics, "end_time": end,
+            **{f"audit.{name}": q for name, q in names.audit.items()}}  # fmt: skip
 
 
 def _text(
@@ -286,8 +291,8 @@ def _controllers(raw: Mapping[str, Any], base: Scenario, where: str) -> tuple[st
     given = raw.get("controllers", [base.law])
     if not isinstance(given, list) or not given:
         raise ScenarioError("is not a list of laws", where=where, key="controllers", value=given,
-                            permitted=", ".join(schema.LAW_TITLES))  # fmt: skip
-    field = Field("controllers", "", "text", choices=tuple(schema.LAW_TITLES))
+                            permitted=", ".join(base.model.laws))  # fmt: skip
+    field = Field("controllers", "", "text", choices=tuple(base.model.laws))
     names = [field.normalise(law, where, f"controllers[{k}]") for k, law in enumerate(given)]
     if len(set(names)) < len(names):
         raise ScenarioError("names a law twice", where=where, key="controllers", value=given)
@@ -311,35 +316,37 @@ def _count(raw: Mapping[str, Any], varied: tuple[Vary, ...], where: str) -> int:
     return count
 
 
-def _criteria(raw: Mapping[str, Any], where: str) -> list[Criterion]:
+def _criteria(raw: Mapping[str, Any], base: Scenario, where: str) -> list[Criterion]:
     result = []
     for k, entry in enumerate(_tables(raw, "success", where)):
         reader = Reader(entry, f"success[{k}]", where)
         reader.refuse_unknown(("metric", "below", "above"))
         metric = reader.text("metric")
-        _known_quantity(metric, where, f"success[{k}].metric")
+        _known_quantity(metric, base, where, f"success[{k}].metric")
         if "below" not in entry and "above" not in entry:
             raise reader.fail("below", "is missing, and so is above", "a number for one or both")
-        unit = quantity(metric).unit
+        unit = quantities_of(base)[metric].unit
         below = reader.number("below", unit) if "below" in entry else math.inf
         above = reader.number("above", unit) if "above" in entry else -math.inf
         if above >= below:
             raise reader.fail("above", "is not less than below: nothing succeeds", f"< {below:g}")
-        result.append(Criterion(metric, below, above))
+        result.append(Criterion(metric, below, above, unit))
     return result
 
 
-def _metrics(raw: Mapping[str, Any], where: str) -> tuple[str, ...]:
-    given = raw.get("metrics", list(DEFAULT_METRICS))
+def _metrics(raw: Mapping[str, Any], base: Scenario, where: str) -> tuple[str, ...]:
+    given = raw.get("metrics", list(base.model.study_metrics))
     if not isinstance(given, list) or not given:
         raise ScenarioError("is not a list of metrics", where=where, key="metrics", value=given,
-                            permitted=", ".join(_quantity_names()))  # fmt: skip
+                            permitted=", ".join(quantities_of(base)))  # fmt: skip
     for k, name in enumerate(given):
-        _known_quantity(name, where, f"metrics[{k}]")
+        _known_quantity(name, base, where, f"metrics[{k}]")
     return tuple(dict.fromkeys(given))
 
 
-def _maps(raw: Mapping[str, Any], varied: tuple[Vary, ...], where: str) -> list[Map]:
+def _maps(
+    raw: Mapping[str, Any], base: Scenario, varied: tuple[Vary, ...], where: str
+) -> list[Map]:
     names = tuple(v.name for v in varied)
     result = []
     for k, entry in enumerate(_tables(raw, "map", where)):
@@ -350,7 +357,7 @@ def _maps(raw: Mapping[str, Any], varied: tuple[Vary, ...], where: str) -> list[
             raise reader.fail("y", "is the same as x", ", ".join(n for n in names if n != x))
         show = reader.text("show", default="success")
         if show != "success":
-            _known_quantity(show, where, f"map[{k}].show", "success")
+            _known_quantity(show, base, where, f"map[{k}].show", "success")
         result.append(Map(x, y, show))
     return result
 
@@ -363,6 +370,6 @@ def _tables(raw: Mapping[str, Any], key: str, where: str) -> list[Any]:
     return given
 
 
-def _known_quantity(name: Any, where: str, key: str, *others: str) -> None:
-    known = (*others, *_quantity_names())
+def _known_quantity(name: Any, base: Scenario, where: str, key: str, *others: str) -> None:
+    known = (*others, *quantities_of(base))
     Field(key, "", "text", choices=known).normalise(name, where, key)

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from multilift import provenance
 from multilift.errors import MissingExtraError, OutputError
-from multilift.study.rows import OUTCOMES, Chunk
+from multilift.study.rows import Chunk
 from multilift.study.spec import Study
 
 try:
@@ -114,13 +114,14 @@ class Store:
             file.unlink()
 
     def column(self, name: str) -> NDArray[Any]:
-        """A column of all rows, shape (laws, worlds); outcomes as indices into ``OUTCOMES``."""
+        """A column of all rows, shape (laws, worlds); outcomes as places in ``Study.outcomes``."""
         laws = len(self.study.controllers)
         pieces = []
         for number in range(self.chunks):
             values = pq.read_table(self._parts[number], columns=[name]).column(0).combine_chunks()
             if name == "outcome":
-                codes = np.array([OUTCOMES.index(t) for t in values.dictionary.to_pylist()], "i1")
+                names = values.dictionary.to_pylist()
+                codes = np.array([self.study.outcomes.index(t) for t in names], "i1")
                 array = codes[values.indices.to_numpy()]
             else:
                 array = values.to_numpy()

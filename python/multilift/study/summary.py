@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift.study.draws import draw
-from multilift.study.rows import OUTCOMES, overrides, reason
+from multilift.study.rows import overrides
 from multilift.study.spec import Criterion, Study
 from multilift.study.statistics import Interval, paired_mean, paired_share, quantiles, wilson
 from multilift.study.store import Store
@@ -137,7 +137,7 @@ def summarise(store: Store) -> Summary:
     laws = tuple(
         LawSummary(
             law,
-            {name: int((outcome[k] == code).sum()) for code, name in enumerate(OUTCOMES)},
+            {name: int((outcome[k] == code).sum()) for code, name in enumerate(study.outcomes)},
             wilson(int(success[k].sum()), study.worlds),
             int(success[k].sum()),
             tuple(int(c[k].sum()) for c in criteria),
@@ -212,7 +212,7 @@ def worst_cases(store: Store, outcome: NDArray[np.int8]) -> list[WorstCase]:
     for k, law in enumerate(study.controllers):
         early = np.flatnonzero(outcome[k] != 0)
         for w in early[np.argsort(end_time[k][early], kind="stable")[:WORST]]:
-            why = reason(OUTCOMES[outcome[k][w]], int(culprit[k][w]))
+            why = study.scenario.model.reason(study.outcomes[outcome[k][w]], int(culprit[k][w]))
             result.append(_case(study, law, int(w), "ended early",
                                 f"{why} at t = {end_time[k][w]:.3f} s"))  # fmt: skip
     for name in study.metrics[:2]:

@@ -11,21 +11,13 @@ from numpy.typing import NDArray
 
 from multilift import keys, schema
 from multilift.errors import ScenarioError
+from multilift.fields import Field
 from multilift.scenario import Scenario
-from multilift.schema import Field
 
 Array = NDArray[np.float64]
 
-#: Times that count whole integration steps; what is drawn for them is rounded to these.
-TIMES = (
-    "actuators.command_delay",
-    "sensors.delay",
-    "sensors.period",
-    "simulation.duration",
-    "simulation.record_period",
-)
-#: Of these, the ones that may not be zero.
-_NEVER_ZERO = ("simulation.duration", "simulation.record_period")
+#: Times that count whole integration steps, at least one; beside them the model's delays.
+TIMES = ("simulation.duration", "simulation.record_period")
 
 #: What the number does to a key's own value.
 APPLY = ("set", "multiply", "add")
@@ -108,9 +100,9 @@ class Vary:
                 own = np.asarray(scenario[target.key], dtype=float)
                 amount = amount.reshape(-1, *[1] * own.ndim)
                 amount = own * amount if self.apply == "multiply" else own + amount
-            if target.key in TIMES:
+            if target.key in (*TIMES, *scenario.model.delays):
                 step = float(scenario["simulation.step"])
-                least = 1.0 if target.key in _NEVER_ZERO else 0.0
+                least = 1.0 if target.key in TIMES else 0.0
                 amount = np.maximum(np.rint(amount / step), least) * step
             result[target.key] = amount
         return result
