@@ -11,6 +11,8 @@
 #include <numbers>
 
 #include "multilift/control/planar/measurement.hpp"
+#include "multilift/math/atan.hpp"
+#include "multilift/math/exp.hpp"
 #include "multilift/sim/delay_line.hpp"
 
 namespace multilift::planar {

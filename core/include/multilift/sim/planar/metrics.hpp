@@ -1,10 +1,10 @@
 // The result of a planar run in numbers, gathered while it runs. This is their one definition.
 #pragma once
 
-#include <cmath>
 #include <numbers>
 
 #include "multilift/control/planar/measurement.hpp"
+#include "multilift/math/atan.hpp"
 #include "multilift/model/planar/energy.hpp"
 
 namespace multilift::planar {

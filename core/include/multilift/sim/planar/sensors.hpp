@@ -4,11 +4,11 @@
 // system: samples at their own rate, white Gaussian noise on each value, a delay.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "multilift/control/planar/measurement.hpp"
-#include "multilift/math/philox.hpp"
+#include "multilift/math/normal.hpp"
 #include "multilift/sim/delay_line.hpp"
 
 namespace multilift::planar {
@@ -75,8 +75,12 @@ class TestbedSensors {
       : parameters_(parameters),
         every_(value(lane(parameters.period, 0)) > 0.0 ? steps_of(parameters.period, step)[0]
                                                        : control_steps),
-        seeds_(seeds),
-        line_(steps_of(parameters.delay, step), truth(state, pose)) {}
+        line_(steps_of(parameters.delay, step), truth(state, pose)) {
+    if constexpr (lanes_of<R> == 1)
+      seeds_ = seeds[0];
+    else
+      for (std::size_t k = 0; k < seeds.size(); ++k) seeds_[k] = seeds[k];
+  }
 
   void observe(long step, const State<R>& state, const Pose<R>& pose) {
     if (step % every_ != 0) return;
@@ -105,17 +109,17 @@ class TestbedSensors {
  private:
   void blur(R& a, R& b, const R& deviation, std::uint64_t stream, std::uint64_t draw) const {
     if (!any(R(0.0) < deviation)) return;
-    for (int k = 0; k < lanes_of<R>; ++k) {
-      const auto scale = lane(deviation, k);
-      const auto [na, nb] = normal_pair(seeds_[static_cast<std::size_t>(k)], stream, draw);
-      set_lane(a, k, lane(a, k) + scale * na);
-      set_lane(b, k, lane(b, k) + scale * nb);
-    }
+    const auto [na, nb] = normal_pair<Drawn>(seeds_, stream, draw);
+    a = a + deviation * R(na);
+    b = b + deviation * R(nb);
   }
+
+  /// Draws depend on no number of a scenario, and so have no derivatives.
+  using Drawn = std::conditional_t<lanes_of<R> == 1, double, R>;
 
   SensorParameters<R> parameters_;
   long every_;
-  Seeds seeds_;
+  words_t<R> seeds_{};
   DelayLine<R, Measurement<R>> line_;
 };
 
