@@ -69,7 +69,7 @@ void fill_normals(const Integers& seeds, std::uint64_t stream, const Integers& d
       for (std::size_t k = 0; k < width; ++k)
         seed[k] = seeds.data()[std::min(first + k, worlds - 1)];
     for (std::size_t n = 0; n < count; ++n) {
-      const auto pair = normal_pair<R>(seed, stream, draws.data()[n]);
+      const auto pair = normal_pair<R>(seed, stream, words_t<R>{} + draws.data()[n]);
       for (std::size_t k = 0; k < width && first + k < worlds; ++k)
         for (std::size_t i = 0; i < 2; ++i)
           out.data()[2 * ((first + k) * count + n) + i] = lane(pair[i], static_cast<int>(k));

@@ -10,11 +10,11 @@
 
 namespace multilift {
 
-/// Two independent standard normal numbers (Box and Muller) of each world, for draw `index` of
+/// Two independent standard normal numbers (Box and Muller) of each world, for its draw `index` of
 /// `stream`. R is double or lanes. Of 2^32 sizes and as many angles; none is greater than 6.8.
 template <class R>
 MULTILIFT_INLINE std::array<R, 2> normal_pair(const words_t<R>& seed, std::uint64_t stream,
-                                              std::uint64_t index) {
+                                              const words_t<R>& index) {
   const PhiloxBlock<R> bits = philox<R>(seed, stream, index);
   // Midpoints of 2^32 cells, so that the logarithm never sees 0. A word below 2^52 is the fraction
   // of a double between 2^52 and 2^53.

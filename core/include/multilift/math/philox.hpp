@@ -54,15 +54,14 @@ MULTILIFT_INLINE PhiloxBlock<R> philox(PhiloxBlock<R> c, words_t<R> k0, words_t<
   return c;
 }
 
-/// Block `index` of `stream` under each world's seed.
+/// Block `index` of `stream` under `seed`, index and seed each world's own.
 template <class R>
 MULTILIFT_INLINE PhiloxBlock<R> philox(const words_t<R>& seed, std::uint64_t stream,
-                                       std::uint64_t index) {
+                                       const words_t<R>& index) {
   constexpr std::uint64_t low = 0xffffffff;
   const words_t<R> none{};
-  return philox<R>(
-      {none + (index & low), none + (index >> 32), none + (stream & low), none + (stream >> 32)},
-      seed & low, seed >> 32);
+  return philox<R>({index & low, index >> 32, none + (stream & low), none + (stream >> 32)},
+                   seed & low, seed >> 32);
 }
 
 }  // namespace multilift
