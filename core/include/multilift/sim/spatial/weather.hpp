@@ -6,7 +6,7 @@
 #pragma once
 
 #include "multilift/fields.hpp"
-#include "multilift/math/philox.hpp"
+#include "multilift/math/normal.hpp"
 #include "multilift/math/vec3.hpp"
 
 namespace multilift::spatial {
@@ -82,8 +82,8 @@ class Wind {
   void advance(int k, std::uint64_t draw) {
     const auto i = static_cast<std::size_t>(k);
     Gust& gust = gusts_[i];
-    const auto [n0, n1] = normal_pair(seeds_[i], stream, draw);
-    const auto [n2, unused] = normal_pair(seeds_[i], stream + 1, draw);
+    const auto [n0, n1] = normal_pair<double>(seeds_[i], stream, draw);
+    const auto [n2, unused] = normal_pair<double>(seeds_[i], stream + 1, draw);
     static_cast<void>(unused);
     const std::array<double, 3> noise{n0, n1, n2};
     std::array<double, 3> out{};
