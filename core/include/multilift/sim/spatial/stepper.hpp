@@ -19,7 +19,8 @@ inline constexpr int event_halvings = 20;
 inline constexpr double contact_tolerance = 1e-7;
 /// Slower rebounds of a cable pulled taut are none, m/s.
 inline constexpr double least_rebound = 0.02;
-/// A slack cable at its full length that shortens no faster than this may pull again, m/s.
+/// A slack cable at its full length that changes it no faster than this may pull again, m/s. One that
+/// stretches faster is on its way into a jerk, which takes an impulse.
 inline constexpr double grazing_speed = 1e-5;
 /// More events within one step wait for its end.
 inline constexpr int most_events = 24;
@@ -57,12 +58,13 @@ class Stepper {
         impulse_(n),
         target_(n) {}
 
-  /// Decides from the lengths at x which rigid cables start taut.
+  /// Decides at x which rigid cables start taut: those at full length, or beyond, that do not stretch.
   void begin(const X& x) {
     if constexpr (!Dynamics::Cables::rigid) return;
     dynamics_.lay_cables(x, now_);
     for (std::size_t i = 0; i < x.size(); ++i)
-      taut_[i].is = rest_length(i) - R(contact_tolerance) <= now_.cable[i].length;
+      taut_[i].is = (rest_length(i) - R(contact_tolerance) <= now_.cable[i].length) &
+                    (now_.cable[i].stretch_rate <= R(grazing_speed));
   }
 
   /// Cuts cable i in the worlds of `mask`.
@@ -247,7 +249,7 @@ class Stepper {
       const Cable<R>& c = now_.cable[i];
       const mask_t<R> again = candidate_[i].is & whole_[i].is & !taut_[i].is &
                               (rest_length(i) - R(contact_tolerance) <= c.length) &
-                              (R(-grazing_speed) <= c.stretch_rate);
+                              (abs(c.stretch_rate) <= R(grazing_speed));
       taut_[i].is = taut_[i].is | again;
       admitted = admitted | again;
     }
