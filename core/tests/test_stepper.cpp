@@ -179,7 +179,8 @@ void chains_of_taut_and_slack_cables_share_a_jerk(Random& random, std::size_t n)
     // terms, some 100 m/s^2, may add until the step ends.
     const double over = now.cable[i].length - p.cable_length[i];
     CHECK(now.cable[i].stretch_rate < 100.0 * h || over <= contact_tolerance);
-    CHECK(over < 1e-6);
+    // A cable that waits for the next step meanwhile stretches a little.
+    CHECK(over < 1e-5);
     if (p.cable_restitution == 0.0 && jerked[i] && flight.stepper.taut()[i].is)
       CHECK_CLOSE(now.cable[i].stretch_rate, 0.0, 1e-5);
   }
@@ -189,6 +190,15 @@ void chains_of_taut_and_slack_cables_share_a_jerk(Random& random, std::size_t n)
   CHECK_CLOSE(norm(momentum(p, flight.x) - expected), 0.0, 1e-11);
   // Impulses of some 10 N s at 1e-7 m; the steps are so small that they add nothing.
   CHECK_CLOSE(mechanical_energy(plant, flight.x) + events.energy_lost, energy, 1e-4);
+}
+
+/// Where nothing happens a step is one Runge-Kutta step.
+void quiet_steps_are_tried_once(Random& random) {
+  Parameters<double> p = random_parameters(random, 1);
+  p.attachment[0] = {};
+  Flight<double> flight(p, random_state(random, p, 0.0), {{0.0, 0.0, 1e3}});
+  flight.advance(1e-3, 10);
+  CHECK(flight.tries.count == 10);
 }
 
 /// Cables about zero tension neither crawl nor blow up.
@@ -202,7 +212,7 @@ void idling_cables_cost_little(Random& random, std::size_t n, double restitution
   Flight<double> flight(p, start, force);
   const long steps = 2000;
   flight.advance(1e-3, steps);
-  // One try a step, 22 an event. An event every eleventh step is no crawling.
+  // One try a step, 22 an event: one every eleventh step is no crawling.
   CHECK(flight.tries.count < 3 * steps);
   Instant<double> now(n);
   flight.stepper.dynamics().lay_cables(flight.x, now);
@@ -254,6 +264,7 @@ int main() {
   for (int k = 0; k < 10; ++k) a_bob_over_the_top_flies_a_parabola(random);
   no_impact_slips_through_the_tolerance(random);
   for (std::size_t k = 0; k < 1000; ++k) chains_of_taut_and_slack_cables_share_a_jerk(random, 1 + k % 8);
+  quiet_steps_are_tried_once(random);
   for (std::size_t n = 1; n <= 6; ++n)
     for (const double e : {0.0, 0.5, 1.0})
       for (const double excess : {0.0, 1e-9, 1e-3, 1.0}) idling_cables_cost_little(random, n, e, excess);
