@@ -15,12 +15,12 @@ inline Vec3<double> random_vector(Random& random, double size) {
 }
 
 inline Quaternion<double> random_attitude(Random& random, double tilt) {
-  return normalised(Quaternion<double>{1.0, random(-tilt, tilt), random(-tilt, tilt),
-                                       random(-tilt, tilt)});
+  return normalised(
+      Quaternion<double>{1.0, random(-tilt, tilt), random(-tilt, tilt), random(-tilt, tilt)});
 }
 
-/// A rigid payload on n cables, without drag. Its moments of inertia are those of a body: the sum of
-/// any two exceeds the third.
+/// A rigid payload on n cables, without drag. Its moments of inertia are those of a body: the sum
+/// of any two exceeds the third.
 inline Parameters<double> random_parameters(Random& random, std::size_t n) {
   Parameters<double> p(n);
   p.payload_mass = random(0.5, 5.0);
@@ -53,12 +53,12 @@ State<double, V> random_state(Random& random, const Parameters<double>& p, doubl
   for (std::size_t i = 0; i < p.size(); ++i) {
     Vec3<double> d{random(-0.7, 0.7), random(-0.7, 0.7), 1.0};
     d = (1.0 / norm(d)) * d;
-    x.vehicle[i].position = x.payload.position + turn.to_world(p.attachment[i]) +
-                            (part * p.cable_length[i]) * d;
+    x.vehicle[i].position =
+        x.payload.position + turn.to_world(p.attachment[i]) + (part * p.cable_length[i]) * d;
     Vec3<double> v = random_vector(random, speed);
     if (part == 1.0) v -= dot(d, v) * d;
-    x.vehicle[i].velocity = x.payload.velocity +
-                            turn.to_world(cross(x.payload.rate, p.attachment[i])) + v;
+    x.vehicle[i].velocity =
+        x.payload.velocity + turn.to_world(cross(x.payload.rate, p.attachment[i])) + v;
   }
   return x;
 }

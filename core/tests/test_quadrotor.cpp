@@ -35,8 +35,8 @@ Vector torque_of(const Kind::Parameters& c, const Speeds& speed) {
   return scale(c.inertia[0], rate.rate);
 }
 
-/// Where rotor k stands in B, from what the frame is called rather than from its angle: + has rotors
-/// in front, left, behind, right; X front left, behind left, behind right, front right.
+/// Where rotor k stands in B, from what the frame is called rather than from its angle: + has
+/// rotors in front, left, behind, right; X front left, behind left, behind right, front right.
 Vector place(bool plus, std::size_t k, double arm) {
   static constexpr double on_plus[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   static constexpr double on_x[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
@@ -76,8 +76,8 @@ void forces_follow_the_attitude(Random& random) {
   CHECK_CLOSE(norm(force - (thrust * up - (c.rotor_drag[0] * speeds) * across)), 0.0, 1e-13);
 }
 
-/// A free craft with its rotors at rest: angular momentum in W and energy stay, as Euler's equations
-/// have it, and an axisymmetric one precesses in closed form.
+/// A free craft with its rotors at rest: angular momentum in W and energy stay, as Euler's
+/// equations have it, and an axisymmetric one precesses in closed form.
 void a_free_craft_turns_as_euler_says(Random& random, bool symmetric) {
   auto c = craft_of(0.0);
   const double j = c.inertia[0].x;
@@ -119,8 +119,9 @@ void a_free_craft_turns_as_euler_says(Random& random, bool symmetric) {
 
 AutopilotParameters<double> gains() { return AutopilotParameters<double>(1); }
 
-/// In the range where nothing saturates, what is asked for is what the rotors do: thrust and torques,
-/// these in shares of the greatest thrust: each rotor's share moves by sqrt(1/2) on an X frame.
+/// In the range where nothing saturates, what is asked for is what the rotors do: thrust and
+/// torques, these in shares of the greatest thrust: each rotor's share moves by sqrt(1/2) on an X
+/// frame.
 void mixing_inverts_the_rotors(Random& random, bool plus) {
   const double angle = plus ? 0.0 : pi / 4.0;
   const auto c = craft_of(angle);
@@ -140,15 +141,16 @@ void mixing_inverts_the_rotors(Random& random, bool plus) {
   CHECK_CLOSE(sum, 4.0 * thrust, 1e-12);
   const double greatest = c.thrust_coefficient[0] * square(c.rotor_speed_max[0]);
   const Vector torque = torque_of(c, speed);
-  // Roll and pitch: two pairs of arms at l/sqrt2 each moved by x/sqrt2, or one pair at l moved by x.
+  // Roll and pitch: two pairs of arms at l/sqrt2 each moved by x/sqrt2, or one pair at l moved by
+  // x.
   const double arm = 2.0 * c.arm_length[0] * greatest;
   CHECK_CLOSE(torque.x, -arm * x.rate.x, 1e-12);
   CHECK_CLOSE(torque.y, -arm * x.rate.y, 1e-12);
   CHECK_CLOSE(torque.z, -4.0 * c.torque_ratio[0] * greatest * x.rate.z, 1e-12);
 }
 
-/// Whatever is asked for, rotors stay in their range, tilt torques keep their direction, and roll and
-/// pitch come whole unless twice their greatest share exceeds the range.
+/// Whatever is asked for, rotors stay in their range, tilt torques keep their direction, and roll
+/// and pitch come whole unless twice their greatest share exceeds the range.
 void saturated_mixing_keeps_tilt_first(Random& random) {
   const auto c = craft_of(pi / 4.0);
   auto p = gains();
@@ -172,9 +174,8 @@ void saturated_mixing_keeps_tilt_first(Random& random) {
 /// A craft under its autopilot, its position left aside.
 std::vector<Craft<double>> turn_under_autopilot(const Kind::Parameters& c,
                                                 const AutopilotParameters<double>& p,
-                                                Craft<double> x,
-                                                const Quaternion<double>& wanted, double h,
-                                                long steps) {
+                                                Craft<double> x, const Quaternion<double>& wanted,
+                                                double h, long steps) {
   const Kind kind(c);
   Autopilot<double> autopilot(p, c, h);
   std::vector<Craft<double>> way{x};
@@ -263,13 +264,13 @@ void the_loop_is_stable_where_routh_says() {
   }
 }
 
-/// Large turns end at the wanted attitude, a thrust's direction first, whatever the start, upside down
-/// included.
+/// Large turns end at the wanted attitude, a thrust's direction first, whatever the start, upside
+/// down included.
 void large_turns_end_where_they_should(Random& random) {
   const auto c = craft_of(pi / 4.0);
   Craft<double> x;
-  x.attitude = normalised(Quaternion<double>{random(-1, 1), random(-1, 1), random(-1, 1),
-                                             random(-1, 1)});
+  x.attitude =
+      normalised(Quaternion<double>{random(-1, 1), random(-1, 1), random(-1, 1), random(-1, 1)});
   x.rotor_speed.fill(std::sqrt(0.4) * c.rotor_speed_max[0]);
   const Vector force{random(-1.0, 1.0), random(-1.0, 1.0), random(0.5, 1.0)};
   const double yaw = random(-pi, pi);

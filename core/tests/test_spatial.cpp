@@ -31,9 +31,8 @@ struct Snapshot {
         outside(around),
         now(p.size()),
         rate(p.size()) {
-    const Rigid dynamics(Plant<double>(p), IdealVehicles<double>(
-                                               IdealVehicles<double>::Parameters(p.size())),
-                         {});
+    const Rigid dynamics(Plant<double>(p),
+                         IdealVehicles<double>(IdealVehicles<double>::Parameters(p.size())), {});
     dynamics.evaluate(x, force, outside, Masks<double>(p.size(), {true}), now);
     dynamics.rate(x, force, now, rate);
   }
@@ -120,7 +119,8 @@ void newton_euler_and_lagrange_agree(const Snapshot& s) {
     fill(row, s.force[i] + s.outside.vehicle_push[i] -
                   scale(s.p.vehicle_drag[i], v.velocity - s.outside.wind) -
                   Vector{0.0, 0.0, s.p.vehicle_mass[i] * s.p.gravity});
-    // d^2/dt^2 of half the squared length e'e: e'(a_i - a - alpha x r) + |e_dot|^2 - e'(w x (w x r)).
+    // d^2/dt^2 of half the squared length e'e: e'(a_i - a - alpha x r) + |e_dot|^2 - e'(w x (w x
+    // r)).
     const Vector r = turn.to_world(s.p.attachment[i]);
     const Vector e = v.position - s.x.payload.position - r;
     const Vector e_dot = v.velocity - s.x.payload.velocity - cross(omega, r);
@@ -156,12 +156,11 @@ void outside_forces_alone_change_momentum_and_energy(const Snapshot& s) {
   const Vector& x = s.x.payload.position;
   const Vector& loads = s.now.loads.payload;
   Vector force = loads - s.p.payload_mass * s.rate.payload.velocity;
-  Vector moment =
-      cross(x, force) + turn.to_world(s.now.loads.payload_torque - cross(omega, spin) -
-                                      scale(s.p.payload_inertia, s.rate.payload.rate));
-  double power = dot(force, s.x.payload.velocity) +
-                 dot(omega, s.now.loads.payload_torque -
-                                scale(s.p.payload_inertia, s.rate.payload.rate));
+  Vector moment = cross(x, force) + turn.to_world(s.now.loads.payload_torque - cross(omega, spin) -
+                                                  scale(s.p.payload_inertia, s.rate.payload.rate));
+  double power =
+      dot(force, s.x.payload.velocity) +
+      dot(omega, s.now.loads.payload_torque - scale(s.p.payload_inertia, s.rate.payload.rate));
   for (std::size_t i = 0; i < s.p.size(); ++i) {
     const Vector f = s.now.loads.vehicle[i] - s.p.vehicle_mass[i] * s.rate.vehicle[i].velocity;
     force += f;
@@ -244,7 +243,9 @@ void symmetries_carry_motions_to_motions(Random& random, const Snapshot& s) {
 
 void relabelled_vehicles_move_alike(const Snapshot& s) {
   Snapshot other = s;
-  const auto turn_round = [](auto& list) { std::rotate(list.begin(), list.begin() + 1, list.end()); };
+  const auto turn_round = [](auto& list) {
+    std::rotate(list.begin(), list.begin() + 1, list.end());
+  };
   turn_round(other.p.vehicle_mass), turn_round(other.p.vehicle_drag);
   turn_round(other.p.cable_length), turn_round(other.p.attachment);
   turn_round(other.x.vehicle), turn_round(other.force), turn_round(other.outside.vehicle_push);

@@ -1,5 +1,5 @@
-// The storage function of the spatial laws: its powers make up its rate, term by term closed, and for
-// two vehicles in a plane plant, laws and storage function are the planar ones.
+// The storage function of the spatial laws: its powers make up its rate, term by term closed, and
+// for two vehicles in a plane plant, laws and storage function are the planar ones.
 #include "check.hpp"
 #include "multilift/control/spatial/pd.hpp"
 #include "multilift/model/spatial/energy.hpp"
@@ -36,8 +36,8 @@ Formation<double> random_formation(Random& random, const Parameters<double>& p) 
   return formation;
 }
 
-/// d/dt V along the motion, by central differences of the storage function along the plant's rate and
-/// the reference's way, is the sum of the powers; d_hat rests.
+/// d/dt V along the motion, by central differences of the storage function along the plant's rate
+/// and the reference's way, is the sum of the powers; d_hat rests.
 template <class Vehicles, class Cables>
 void powers_make_up_the_rate(Random& random, std::size_t n) {
   using V = typename Vehicles::State;
@@ -250,8 +250,8 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
   measured.payload = b.x.payload;
   // Twice, so that the estimate has moved once.
   for (int turn = 0; turn < 2; ++turn) {
-    const auto planar_storage = flat::storage_function(b.planar, planar_law.storage_gains(), b.start,
-                                                       pose, goal, planar_law.d_hat());
+    const auto planar_storage = flat::storage_function(b.planar, planar_law.storage_gains(),
+                                                       b.start, pose, goal, planar_law.d_hat());
     const Plant<double> plant(b.p);
     auto storage_gains = law.storage_gains();
     const Coupling<double> coupling(plant, storage_gains);
@@ -262,9 +262,8 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
     CHECK_CLOSE(storage_function(plant, storage_gains, coupling, b.x, target, d_hat),
                 planar_storage, 1e-12 * size);
     const auto w = powers_of(plant, storage_gains, coupling, b.x, r.now, r.outside, target, d_hat);
-    const auto planar_w =
-        flat::powers_of(b.planar, planar_law.storage_gains(), b.start, pose, r.loads, r.planar,
-                        goal, planar_law.d_hat());
+    const auto planar_w = flat::powers_of(b.planar, planar_law.storage_gains(), b.start, pose,
+                                          r.loads, r.planar, goal, planar_law.d_hat());
     const double power = 1.0 + std::fabs(planar_w.push) + std::fabs(planar_w.internal) +
                          std::fabs(planar_w.dissipation) + std::fabs(planar_w.actuation);
     CHECK_CLOSE(w.dissipation + w.payload_drag, planar_w.dissipation, 1e-11 * power);

@@ -1,5 +1,6 @@
 // A spatial world in a lane of a SIMD register is computed to the last bit as it is alone, whatever
-// its neighbours go through: events of their own, other numbers of them, or no finite numbers at all.
+// its neighbours go through: events of their own, other numbers of them, or no finite numbers at
+// all.
 #include "check.hpp"
 #include "random_spatial.hpp"
 
@@ -61,7 +62,8 @@ double lanes_are_worlds(Random& random, std::size_t n, bool with_broken) {
     plants.push_back(world.p);
     starts.push_back(world.start);
     for (std::size_t i = 0; i < n; ++i)
-      for (auto [all, one] : {std::pair{&force[i].x, world.force[i].x}, {&force[i].y, world.force[i].y},
+      for (auto [all, one] : {std::pair{&force[i].x, world.force[i].x},
+                              {&force[i].y, world.force[i].y},
                               {&force[i].z, world.force[i].z}})
         all->set(k, one);
   }

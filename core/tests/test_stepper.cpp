@@ -81,9 +81,9 @@ void two_bodies_jerk_as_in_closed_form(Random& random) {
   CHECK_CLOSE(dot(d, flight.x.payload.velocity), after, 1e-6 * after + 1e-12);
 }
 
-/// A bob is swung over the top of a vehicle that is thrust up: seen from the vehicle, thrust per mass
-/// is its gravity and the reduced mass its mass. It leaves the circle, flies a parabola, and is jerked
-/// where parabola and circle meet again.
+/// A bob is swung over the top of a vehicle that is thrust up: seen from the vehicle, thrust per
+/// mass is its gravity and the reduced mass its mass. It leaves the circle, flies a parabola, and
+/// is jerked where parabola and circle meet again.
 void a_bob_over_the_top_flies_a_parabola(Random& random) {
   Parameters<double> p = random_parameters(random, 1);
   p.attachment[0] = {};
@@ -99,7 +99,8 @@ void a_bob_over_the_top_flies_a_parabola(Random& random) {
   const double h = 2e-4;
   Vector where{};
   for (int k = 0; k < 20000 && flight.stepper.events().impacts == 0.0; ++k) {
-    if (flight.stepper.taut()[0].is) where = flight.x.payload.position - flight.x.vehicle[0].position;
+    if (flight.stepper.taut()[0].is)
+      where = flight.x.payload.position - flight.x.vehicle[0].position;
     flight.advance(h);
   }
   // The last step that began on the circle began at most a step before it was left.
@@ -186,7 +187,8 @@ void chains_of_taut_and_slack_cables_share_a_jerk(Random& random, std::size_t n)
   }
   double mass = p.payload_mass;
   for (const double m : p.vehicle_mass) mass += m;
-  const Vector expected = before - Vector{0.0, 0.0, mass * p.gravity * h * static_cast<double>(steps)};
+  const Vector expected =
+      before - Vector{0.0, 0.0, mass * p.gravity * h * static_cast<double>(steps)};
   CHECK_CLOSE(norm(momentum(p, flight.x) - expected), 0.0, 1e-11);
   // Impulses of some 10 N s at 1e-7 m; the steps are so small that they add nothing.
   CHECK_CLOSE(mechanical_energy(plant, flight.x) + events.energy_lost, energy, 1e-4);
@@ -216,8 +218,7 @@ void idling_cables_cost_little(Random& random, std::size_t n, double restitution
   CHECK(flight.tries.count < 3 * steps);
   Instant<double> now(n);
   flight.stepper.dynamics().lay_cables(flight.x, now);
-  for (std::size_t i = 0; i < n; ++i)
-    CHECK(now.cable[i].length < p.cable_length[i] + 1e-6);
+  for (std::size_t i = 0; i < n; ++i) CHECK(now.cable[i].length < p.cable_length[i] + 1e-6);
 }
 
 /// Of worlds whose cables stay taut, under constant forces.
@@ -259,15 +260,18 @@ void halving_the_step_divides_errors_by_sixteen(Random& random) {
 int main() {
   Random random(11);
   for (std::size_t k = 0; k < 24; ++k)
-    momentum_and_energy_are_kept_through_impacts(random, 1 + k % 6, 0.5 * static_cast<double>(k % 3));
+    momentum_and_energy_are_kept_through_impacts(random, 1 + k % 6,
+                                                 0.5 * static_cast<double>(k % 3));
   for (int k = 0; k < 100; ++k) two_bodies_jerk_as_in_closed_form(random);
   for (int k = 0; k < 10; ++k) a_bob_over_the_top_flies_a_parabola(random);
   no_impact_slips_through_the_tolerance(random);
-  for (std::size_t k = 0; k < 1000; ++k) chains_of_taut_and_slack_cables_share_a_jerk(random, 1 + k % 8);
+  for (std::size_t k = 0; k < 1000; ++k)
+    chains_of_taut_and_slack_cables_share_a_jerk(random, 1 + k % 8);
   quiet_steps_are_tried_once(random);
   for (std::size_t n = 1; n <= 6; ++n)
     for (const double e : {0.0, 0.5, 1.0})
-      for (const double excess : {0.0, 1e-9, 1e-3, 1.0}) idling_cables_cost_little(random, n, e, excess);
+      for (const double excess : {0.0, 1e-9, 1e-3, 1.0})
+        idling_cables_cost_little(random, n, e, excess);
   halving_the_step_divides_errors_by_sixteen(random);
   return verdict();
 }

@@ -58,8 +58,7 @@ void what_is_put_down_sinks_as_said(Random& random) {
     CHECK(z <= lowest + 1e-12);
     lowest = z;
   }
-  const double depth =
-      s.ground.height + s.ground.payload_clearance - flight.x.payload.position.z;
+  const double depth = s.ground.height + s.ground.payload_clearance - flight.x.payload.position.z;
   CHECK_CLOSE(depth, s.ground.sink, 1e-6 * s.ground.sink);
 }
 
@@ -108,7 +107,8 @@ void the_floor_creates_no_energy(Random& random, std::size_t n) {
   const Plant<double> plant(s.p);
   const auto sideways = [&] {
     double sum = 0.0;
-    for (const auto& v : flight.x.vehicle) sum = std::fmax(sum, std::hypot(v.velocity.x, v.velocity.y));
+    for (const auto& v : flight.x.vehicle)
+      sum = std::fmax(sum, std::hypot(v.velocity.x, v.velocity.y));
     return sum;
   };
   const auto energy = [&] {
@@ -146,8 +146,8 @@ struct Statistics {
   double variance{0.0}, lag{0.0};  // and the correlation a time apart
 };
 
-/// Gusts at two speeds of the mean wind: variances and correlation times as MIL-F-8785C has them for
-/// low altitudes, found from many short runs at their start and end.
+/// Gusts at two speeds of the mean wind: variances and correlation times as MIL-F-8785C has them
+/// for low altitudes, found from many short runs at their start and end.
 void gusts_are_drydens(double mean, double height) {
   WindParameters<double> p;
   p.mean = {0.0, mean, 0.0};  // the wind's own axes: along +y, across -x
@@ -178,7 +178,8 @@ void gusts_are_drydens(double mean, double height) {
     // Estimates from 4000 runs have a standard deviation of sqrt(2/4000) = 2.2 %; four of them.
     CHECK_CLOSE(first[axis].variance / variance, 1.0, 0.09);
     CHECK_CLOSE(last[axis].variance / variance, 1.0, 0.09);
-    // The spectra's inverse transforms: exp(-s) along, (1 - s/2) exp(-s) across and up, s = V t / L.
+    // The spectra's inverse transforms: exp(-s) along, (1 - s/2) exp(-s) across and up, s = V t /
+    // L.
     const double s = mean * step * steps / length[axis];
     const double correlation = axis == 0 ? std::exp(-s) : (1.0 - 0.5 * s) * std::exp(-s);
     CHECK_CLOSE(last[axis].lag / variance, correlation, 0.08);
@@ -210,7 +211,8 @@ int main() {
     what_is_put_down_sinks_as_said(random);
     friction_is_coulombs(random);
   }
-  for (std::size_t k = 0; k < 100; ++k) the_floor_creates_no_energy(random, k % 2 == 0 ? 1 : 3 + k % 4);
+  for (std::size_t k = 0; k < 100; ++k)
+    the_floor_creates_no_energy(random, k % 2 == 0 ? 1 : 3 + k % 4);
   gusts_are_drydens(2.0, 6.0);
   gusts_are_drydens(8.0, 30.0);
   calm_has_no_gusts_and_a_seed_says_all();

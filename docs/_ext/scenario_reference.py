@@ -67,10 +67,8 @@ def default(field: Field) -> str:
         return "**required**".replace("*", "\0")
     if field.default is None:
         return "–"
-    if field.kind == "flag":
-        return "`false`" if not field.default else "`true`"
-    if field.kind == "text":
-        return f"`{field.default}`"
+    if field.kind in ("flag", "text"):
+        return f"`{field.default}`".replace("True", "true").replace("False", "false")
     numbers = np.ravel(field.default).tolist()
     if len(set(numbers)) > 1:
         return ", ".join(f"{x:g}" for x in numbers)

@@ -25,6 +25,7 @@ _TEXTS = ("name", "title", "source", "description")
 
 def normalise(model: Model, raw: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Every table complete with defaults, each value in SI; unknown keys refused."""
+    raw = model.given(raw, where)
     once = {n: t for n, t in model.tables.items() if not t.repeated and "." not in n}
     repeated = {n: t for n, t in model.tables.items() if t.repeated}
     known = ("schema", *_TEXTS, *once, "controller", *repeated)

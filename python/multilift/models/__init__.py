@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 DEFAULT = "planar"
 
 #: Where each model of multilift is; a module is imported when its model is first asked for.
-_MODULES = {"planar": "multilift.models.planar"}
+_MODULES = {"planar": "multilift.models.planar", "spatial": "multilift.models.spatial"}
 _FOUND: dict[str, Model] = {}
 
 
@@ -97,6 +97,14 @@ class Model(ABC):
     study_metrics: tuple[str, ...]
 
     # Tables.
+
+    def given(self, raw: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+        """A file's tables with what they name elsewhere, such as a vehicle's own file.
+
+        Raises:
+            ScenarioError: if there is no such thing.
+        """
+        return raw
 
     def sizes(self, raw: Mapping[str, Any], where: str) -> dict[str, int]:
         """What the names of sizes in shapes are in a scenario, from its tables as given.

@@ -13,14 +13,15 @@
 
 namespace multilift::spatial {
 
-/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a millisecond.
+/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a
+/// millisecond.
 inline constexpr int event_halvings = 20;
 /// A slack cable this much longer than its rest length counts as pulled taut, m.
 inline constexpr double contact_tolerance = 1e-7;
 /// Slower rebounds of a cable pulled taut are none, m/s.
 inline constexpr double least_rebound = 0.02;
-/// A slack cable at its full length that changes it no faster than this may pull again, m/s. One that
-/// stretches faster is on its way into a jerk, which takes an impulse.
+/// A slack cable at its full length that changes it no faster than this may pull again, m/s. One
+/// that stretches faster is on its way into a jerk, which takes an impulse.
 inline constexpr double grazing_speed = 1e-5;
 /// More events within one step wait for its end.
 inline constexpr int most_events = 24;
@@ -58,7 +59,8 @@ class Stepper {
         impulse_(n),
         target_(n) {}
 
-  /// Decides at x which rigid cables start taut: those at full length, or beyond, that do not stretch.
+  /// Decides at x which rigid cables start taut: those at full length, or beyond, that do not
+  /// stretch.
   void begin(const X& x) {
     if constexpr (!Dynamics::Cables::rigid) return;
     dynamics_.lay_cables(x, now_);
@@ -268,8 +270,7 @@ class Stepper {
 
   /// Takes out of `who`, in each world of `where`, the entry with the least pull, if that is
   /// negative.
-  static bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who,
-                                const mask_t<R>& where) {
+  static bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who, const mask_t<R>& where) {
     const R zero(0.0);
     R worst(0.0);
     for (const R& x : pull) worst = min(worst, x);
