@@ -5,6 +5,7 @@ namespace multilift::bindings {
 void bind_planar_batch(nanobind::module_& m);
 void bind_planar_worlds(nanobind::module_& m);
 void bind_planar_gradient(nanobind::module_& m);
+void bind_spatial_batch(nanobind::module_& m);
 }  // namespace multilift::bindings
 
 NB_MODULE(MULTILIFT_BATCH_MODULE, m) {
@@ -13,4 +14,5 @@ NB_MODULE(MULTILIFT_BATCH_MODULE, m) {
   multilift::bindings::bind_planar_batch(m);
   multilift::bindings::bind_planar_worlds(m);
   multilift::bindings::bind_planar_gradient(m);
+  multilift::bindings::bind_spatial_batch(m);
 }

@@ -13,7 +13,6 @@ namespace {
 using planar::Push;
 using planar::State;
 
-
 using R = Lanes<MULTILIFT_LANES>;
 
 /// The problem and where its results go; every array is the caller's.

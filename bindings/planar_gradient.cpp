@@ -11,7 +11,6 @@ namespace {
 
 using planar::Seven;
 
-
 /// Directions in one rollout: as many as a vector register holds.
 constexpr int directions = MULTILIFT_LANES;
 using D = Dual<directions>;

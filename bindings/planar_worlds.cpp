@@ -16,7 +16,6 @@ namespace {
 using planar::join_seven;
 using planar::Stepping;
 
-
 using R = Lanes<MULTILIFT_LANES>;
 constexpr auto width = static_cast<std::size_t>(MULTILIFT_LANES);
 

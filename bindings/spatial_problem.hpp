@@ -1,9 +1,9 @@
 // Spatial worlds as rows of numbers, and what they share.
 //
-// A row: plant | assumed plant | vehicles | autopilots (quadrotors only) | ground (if there is one) |
-// formation | goal x, y, z, yaw | link | limits | motion capture (if there is one) | wind | safety |
-// gains | payload's start: position, attitude, velocity, rate (13) | vehicles' starts: position,
-// velocity (6 each) | for each push: force (3), torque (3), start, duration, frequency.
+// A row: plant | assumed plant | vehicles | autopilots (quadrotors only) | ground (if there is one)
+// | formation | goal x, y, z, yaw | link | limits | motion capture (if there is one) | wind |
+// safety | gains | payload's start: position, attitude, velocity, rate (13) | vehicles' starts:
+// position, velocity (6 each) | for each push: force (3), torque (3), start, duration, frequency.
 //
 // Included by the kernels of each instruction set, so that all is in their unnamed namespaces.
 #pragma once
@@ -70,8 +70,7 @@ inline Frame make_frame(std::size_t n, const std::string& law, bool quadrotors, 
               pushes,
               {},
               {step, steps, control_steps, record_steps}};
-  for (const auto& [start, coordinate] : pieces)
-    frame.path.pieces.push_back({start, coordinate});
+  for (const auto& [start, coordinate] : pieces) frame.path.pieces.push_back({start, coordinate});
   for (const auto& [what, vehicle, rotor, when] : happenings)
     frame.happenings.push_back({failure_from(what), vehicle, rotor, when});
   return frame;

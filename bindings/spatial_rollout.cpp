@@ -37,11 +37,17 @@ class CallbackLaw : public sp::Law<double> {
     nb::gil_scoped_acquire gil;
     std::vector<bool> saturated;
     for (const auto& mask : m.saturated) saturated.push_back(mask.is);
-    const std::array<double, 11> payload{
-        target.payload.x,          target.payload.y,          target.payload.z,
-        target.payload_velocity.x, target.payload_velocity.y, target.payload_velocity.z,
-        target.payload_acceleration.x, target.payload_acceleration.y,
-        target.payload_acceleration.z, target.yaw, target.yaw_rate};
+    const std::array<double, 11> payload{target.payload.x,
+                                         target.payload.y,
+                                         target.payload.z,
+                                         target.payload_velocity.x,
+                                         target.payload_velocity.y,
+                                         target.payload_velocity.z,
+                                         target.payload_acceleration.x,
+                                         target.payload_acceleration.y,
+                                         target.payload_acceleration.z,
+                                         target.yaw,
+                                         target.yaw_rate};
     const nb::object answer =
         law_(m.time, vectors(m.vehicle), vectors(m.vehicle_velocity), flat(m.payload),
              vectors(target.vehicle), vectors(target.vehicle_velocity), payload, saturated);
@@ -118,9 +124,8 @@ nb::dict fields() {
 
 nb::dict laws() {
   nb::dict d;
-  sp::for_each_law<double>([&]<class L>() {
-    d[L::name] = nb::make_tuple(L::title, field_table<typename L::Gains>());
-  });
+  sp::for_each_law<double>(
+      [&]<class L>() { d[L::name] = nb::make_tuple(L::title, field_table<typename L::Gains>()); });
   return d;
 }
 
@@ -146,14 +151,11 @@ nb::dict describe(std::size_t n, bool quadrotors) {
   d["columns"] =
       quadrotors ? columns_of<sp::Craft<double>>(n) : columns_of<sp::PointMass<double>>(n);
   nb::list metrics, audit;
-  sp::Metrics<double>().report(0, [&](const Field& f, double) {
-    metrics.append(nb::make_tuple(f.name, f.unit, f.doc));
-  });
+  sp::Metrics<double>().report(
+      0, [&](const Field& f, double) { metrics.append(nb::make_tuple(f.name, f.unit, f.doc)); });
   const sp::Plant<double> plant{sp::Parameters<double>(n)};
   sp::Audit<double, sp::PointMass<double>>(plant, sp::StorageGains<double>(n))
-      .visit([&](const Field& f, double) {
-        audit.append(nb::make_tuple(f.name, f.unit, f.doc));
-      });
+      .visit([&](const Field& f, double) { audit.append(nb::make_tuple(f.name, f.unit, f.doc)); });
   d["metrics"] = metrics;
   d["audit"] = audit;
   return d;

@@ -14,7 +14,7 @@ SHIPPED = ["exp1_1", "exp1_2", "exp2", "sim1", "sim2"]
 
 
 def test_all_shipped_scenarios_load():
-    assert [f.stem for f in library.files()] == SHIPPED
+    assert set(SHIPPED) <= {f.stem for f in library.files()}
     for name in SHIPPED:
         assert ml.load(name).name == name
 
@@ -110,7 +110,7 @@ MISTAKES = [
     ({"plant.vehicle_mass": [1.0, 2.0, 3.0]}, "plant.vehicle_mass", "shape"),
     ({"plant.vehicle_mass": [[1.0], [2.0, 3.0]]}, "plant.vehicle_mass", "shape"),
     ({"plant.vehicle_drag": -0.1}, "plant.vehicle_drag", ">= 0"),
-    ({"plant.model": "spatial"}, "plant.model", "planar"),
+    ({"plant.model": "planer"}, "plant.model", "planar"),
     ({"controller.k_p": 0.0}, "controller.k_p", "> 0"),
     ({"controller.k_d": [[1.0, 1.0], [1.0, -1.0]]}, "controller.k_d", "> 0"),
     ({"controller.gamma": 0.0}, "controller.gamma", "> 0"),

@@ -116,3 +116,24 @@ def planar_rollout_python(setup: PlanarSetup, law: Callable) -> dict:
     """
     Runs a law written in Python, law(t, q, q_dot, saturated) -> (u1, u2, u3, u4).
     """
+
+class SpatialFrame:
+    """What the spatial worlds of one batch share."""
+
+    def __init__(self, *, n: int, law: str, quadrotors: bool, rigid: bool, ground: bool, motion_capture: bool, rotors_running: bool, autopilot_steps: int, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], path_end: float, pushes: Sequence[tuple[int, str, Sequence[float], Sequence[float]]], happenings: Sequence[tuple[str, int, int, int]], step: float, steps: int, control_steps: int, record_steps: int) -> None: ...
+
+def spatial_run(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int, law: object | None = None) -> dict:
+    """
+    One run: samples, metrics, audit, status, end time. `law` is a Python callable in place of the compiled one.
+    """
+
+def spatial_fields() -> dict:
+    """
+    Tables of fields: (name, unit, range, shape, defaults, meaning) each; "n" in a shape is the number of vehicles.
+    """
+
+def spatial_laws() -> dict:
+    """Of each compiled law its title and the table of its gains."""
+
+def spatial_describe(n: int, quadrotors: bool) -> dict:
+    """Columns, metrics and audit entries: (name, unit, meaning) each."""

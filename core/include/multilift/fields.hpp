@@ -2,10 +2,10 @@
 // messages, the generated reference page, and the packing into flat arrays.
 //
 // A struct offers `template <class Self, class V> static void visit(Self& self, V&& v)`, which
-// calls `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R> or
-// Vec3<R>, or a std::array or std::vector of these; its shape follows from its type and its default
-// from its initialiser. A default of NaN means that the scenario must give the value. A struct with
-// vectors is constructed with the number of vehicles, which is their length.
+// calls `v(Field{...}, self.member)` for each member in a fixed order. A member is an R, a Vec2<R>
+// or Vec3<R>, or a std::array or std::vector of these; its shape follows from its type and its
+// default from its initialiser. A default of NaN means that the scenario must give the value. A
+// struct with vectors is constructed with the number of vehicles, which is their length.
 #pragma once
 
 #include <array>

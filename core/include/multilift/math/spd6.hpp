@@ -79,10 +79,8 @@ MULTILIFT_INLINE Pair6<R> solve_spd(const Symmetric6<R>& m, const Vec3<R>& f, co
   const SymmetricBlock<R> schur{m.a.xx - dot(bc.x, m.b.x), m.a.yx - dot(bc.y, m.b.x),
                                 m.a.yy - dot(bc.y, m.b.y), m.a.zx - dot(bc.z, m.b.x),
                                 m.a.zy - dot(bc.z, m.b.y), m.a.zz - dot(bc.z, m.b.z)};
-  const Vec3<R> first =
-      inverse(schur) * (f - Vec3<R>{dot(bc.x, g), dot(bc.y, g), dot(bc.z, g)});
-  const Vec3<R> second =
-      c * (g - (first.x * m.b.x + first.y * m.b.y + first.z * m.b.z));
+  const Vec3<R> first = inverse(schur) * (f - Vec3<R>{dot(bc.x, g), dot(bc.y, g), dot(bc.z, g)});
+  const Vec3<R> second = c * (g - (first.x * m.b.x + first.y * m.b.y + first.z * m.b.z));
   return {first, second};
 }
 

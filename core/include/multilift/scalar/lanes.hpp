@@ -4,6 +4,10 @@
 // source serves SSE2, AVX2, AVX-512 and NEON; the instruction set is the translation unit's.
 #pragma once
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include "multilift/scalar/real.hpp"
 
 namespace multilift {
@@ -106,6 +110,16 @@ Lanes<W> atan2(Lanes<W> y, Lanes<W> x) {
 
 template <int W>
 MULTILIFT_INLINE bool any(LaneMask<W> mask) {
+  // One instruction where there is one: branches ask this a dozen times a step.
+#if defined(__AVX512DQ__)
+  if constexpr (W == 8) return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask.bits)) != 0;
+#endif
+#if defined(__AVX__)
+  if constexpr (W == 4) return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.bits)) != 0;
+#endif
+#if defined(__SSE2__)
+  if constexpr (W == 2) return _mm_movemask_pd(reinterpret_cast<__m128d>(mask.bits)) != 0;
+#endif
   long long bits = 0;
   for (int k = 0; k < W; ++k) bits |= mask.bits[k];
   return bits != 0;

@@ -47,8 +47,8 @@ class DelayLine {
       if (newest == received_[i]) continue;
       received_[i] = newest;
       const Entry& entry = queue_[(newest - 1) % Capacity];
-      current_.visit_scalars(
-          entry.value, [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
+      current_.visit_scalars(entry.value,
+                             [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
       sent_at_[i] = entry.step;
     }
     return current_;

@@ -14,6 +14,7 @@ from multilift.controllers import CompiledLaw, PythonLaw
 from multilift.errors import ScenarioError
 from multilift.models import Model
 from multilift.models.spatial import endings, laws, quantities, rows, vehicles
+from multilift.models.spatial.formation import BALANCE_TOLERANCE
 from multilift.models.spatial.run import SpatialRun
 from multilift.models.spatial.scenario import SpatialScenario
 from multilift.models.spatial.tables import LAWS, MOTION_CAPTURE, TABLES
@@ -117,7 +118,7 @@ def _bad_rest(columns: Columns) -> NDArray[np.bool_]:
     """Worlds whose formation does not hold, or whose cables would start stretched."""
     block = rows.Block(columns, np.arange(columns.count))
     rest = rows.rest_of(block)
-    bad = ~(rest.unbalanced <= rows.formation.BALANCE_TOLERANCE) | ~(rest.least_tension > 0)
+    bad = ~(rest.unbalanced <= BALANCE_TOLERANCE) | ~(rest.least_tension > 0)
     if columns.scenario["plant.cables"] == "rigid":
         payload, places = rows.starts(block, rest)
         excess = rows.cable_lengths(block, payload, places) - block.numbers("plant", "cable_length")

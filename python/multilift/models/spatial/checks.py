@@ -124,9 +124,7 @@ def check_formation(values: dict[str, Any], rest: Rest, where: str) -> None:
         )
 
 
-def check_start(
-    lengths: np.ndarray[Any, Any], values: dict[str, Any], where: str
-) -> None:
+def check_start(lengths: np.ndarray[Any, Any], values: dict[str, Any], where: str) -> None:
     """Rigid cables that would have to be longer than they are."""
     if values["plant"]["cables"] == "elastic":
         return

@@ -5,6 +5,7 @@ A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -179,18 +180,18 @@ def _figure_eight(angle: Array, length: float) -> Array:
 def _spline(values: dict[str, Any], time: Array, way: Array) -> tuple[list[Piece], float]:
     """Through all points with the least snap, at rest at both ends: a spline of degree 7."""
     try:
-        from scipy.interpolate import PPoly, make_interp_spline  # noqa: PLC0415
+        from scipy.interpolate import make_interp_spline  # noqa: PLC0415
     except ImportError:
         raise MissingExtraError("scipy", "plan", "this reference") from None
     still = [(order, np.zeros(4)) for order in (1, 2, 3)]
     spline = make_interp_spline(time, way, k=DEGREE, bc_type=(still, still))
-    poly = PPoly.from_spline(spline)
     start = values["reference"]["start"]
-    result: list[Piece] = []
-    for k, (begin, end) in enumerate(zip(poly.x[:-1], poly.x[1:], strict=True)):
-        if end > begin:
-            rows = poly.c[::-1, k].T  # ascending powers, a row a coordinate
-            result.append((start + float(begin), rows.tolist()))
+    begins = np.unique(spline.t)[:-1]
+    # The Taylor series at the beginning of each piece, which is all of it.
+    rows = np.array([spline(begins, nu=k) / math.factorial(k) for k in range(DEGREE + 1)])
+    result: list[Piece] = [
+        (start + float(begin), rows[:, k].T.tolist()) for k, begin in enumerate(begins)
+    ]
     return _wait(values, result), start + float(time[-1])
 
 

@@ -32,7 +32,7 @@ class Block:
 
     def flat(self, table: str, fields: Iterable[Field]) -> Array:
         """Fields in order, one row a world."""
-        of = self.tables[table.split("[")[0]]
+        of = self.tables[table.split("[", maxsplit=1)[0]]
         return layout.block(self.columns, self.worlds, table, [of.field(f.name) for f in fields])
 
     def numbers(self, table: str, name: str) -> Array:

@@ -69,7 +69,8 @@ START = Table(
         Field("payload_position", "of the payload's centre of mass", shape=(3,), unit="m",
               required=True),
         Field("payload_yaw", "heading of the payload", unit="rad", default=0.0),
-        Field("payload_velocity", "of the payload", shape=(3,), unit="m/s", default=[0.0, 0.0, 0.0]),
+        Field("payload_velocity", "of the payload", shape=(3,), unit="m/s",
+              default=[0.0, 0.0, 0.0]),
         Field("payload_rate", "angular rate of the payload, its frame", shape=(3,), unit="rad/s",
               default=[0.0, 0.0, 0.0]),
         Field("vehicle_position", "of each vehicle; left out: in formation", shape=("n", 3),
@@ -113,7 +114,10 @@ REFERENCE = Table(
 GROUND = Table(
     "ground",
     "a level floor",
-    (Field("present", "whether there is one", "flag", default=False), *core_fields(_CORE["ground"])),
+    (
+        Field("present", "whether there is one", "flag", default=False),
+        *core_fields(_CORE["ground"]),
+    ),
 )
 LINK = Table("link", "from the law to the vehicles; left out: at once", core_fields(_CORE["link"]))
 LIMITS = Table("limits", "of the commanded forces; left out: none", core_fields(_CORE["limits"]))
@@ -129,7 +133,8 @@ SAFETY = Table(
 ASSUMED = Table(
     "controller.assumed",
     "the plant as the law believes it to be; by default the true one",
-    PLANT.fields,
+    # How many vehicles there are, [plant] alone says.
+    tuple(replace(f, size="") for f in PLANT.fields),
     follows="plant",
 )
 PUSH = Table(

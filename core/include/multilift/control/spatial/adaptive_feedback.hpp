@@ -57,7 +57,8 @@ class AdaptiveFeedback {
     const Vec3<R> u = scale(d_hat, velocity) - scale(gains_.k_p[i], eps) -
                       scale(gains_.k_d[i], eps_dot) + integral_[i];
     d_hat -= R(period_) * scale(gains_.gamma[i], scale(velocity, eps_dot));
-    zip([&](R& force, const R& gain, const R& error, const R& limit) {
+    zip(
+        [&](R& force, const R& gain, const R& error, const R& limit) {
           const R next = clamp(force - R(period_) * gain * error, -limit, limit);
           force = select(measured.saturated[i].is & (abs(force) < abs(next)), force, next);
         },

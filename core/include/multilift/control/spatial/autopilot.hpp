@@ -152,10 +152,10 @@ class Autopilot {
     const Vec3<R> change = R(1.0 / period_) * (rate - m.last_rate);
     m.last_rate = rate;
     m.change += filter_[i] * (change - m.change);
-    const Vec3<R> result =
-        scale(p_.rate_p[i], error) + m.integral - scale(p_.rate_d[i], m.change);
+    const Vec3<R> result = scale(p_.rate_p[i], error) + m.integral - scale(p_.rate_d[i], m.change);
     const mask_t<R> full = m.saturated;
-    zip([&](R& sum, const R& e, const R& gain, const R& limit) {
+    zip(
+        [&](R& sum, const R& e, const R& gain, const R& limit) {
           const R next = clamp(sum + R(period_) * gain * e, -limit, limit);
           sum = select(full & (abs(sum) < abs(next)), sum, next);
         },
@@ -188,8 +188,8 @@ class Autopilot {
     for (std::size_t k = 0; k < rotors; ++k) {
       const R sign(k % 2 == 0 ? 1.0 : -1.0);
       const R wanted = max(level + share[k] + sign * yaw, zero);
-      speed[k] = clamp(craft_.rotor_speed_max[i] * undo_curve(i, wanted),
-                       craft_.rotor_speed_min[i], craft_.rotor_speed_max[i]);
+      speed[k] = clamp(craft_.rotor_speed_max[i] * undo_curve(i, wanted), craft_.rotor_speed_min[i],
+                       craft_.rotor_speed_max[i]);
     }
     return speed;
   }
@@ -199,8 +199,7 @@ class Autopilot {
     const R c = p_.thrust_curve[i];
     const R linear = R(1.0) - c;
     // In this form a curve of 0 divides by nothing.
-    return R(2.0) * thrust /
-           max(linear + sqrt(linear * linear + R(4.0) * c * thrust), R(1e-12));
+    return R(2.0) * thrust / max(linear + sqrt(linear * linear + R(4.0) * c * thrust), R(1e-12));
   }
 
   AutopilotParameters<R> p_;

@@ -1,8 +1,8 @@
 // The paper's energy-coupled adaptive law (48), (51), (55) for n vehicles in space.
 //
-// The unified signal leans each vehicle after the load: eta_i = -kappa_i r, where r is the payload's
-// displacement from where it hangs at rest below the vehicles' mean, and kappa_i = n k_lambda / m_i.
-// For two vehicles in a plane this is (47).
+// The unified signal leans each vehicle after the load: eta_i = -kappa_i r, where r is the
+// payload's displacement from where it hangs at rest below the vehicles' mean, and kappa_i = n
+// k_lambda / m_i. For two vehicles in a plane this is (47).
 #pragma once
 
 #include "multilift/control/spatial/adaptive_feedback.hpp"
@@ -12,8 +12,8 @@ namespace multilift::spatial {
 /// The payload from where it would hang at rest below the vehicles, W.
 template <Real R>
 struct Displacement {
-  Vec3<R> r;       // m
-  Vec3<R> r_dot;   // m/s
+  Vec3<R> r;      // m
+  Vec3<R> r_dot;  // m/s
 };
 
 template <Real R>

@@ -88,7 +88,7 @@ struct Target {
 };
 
 template <Real R>
-Vec3<R> turned(const SinCos<R>& heading, const Vec3<R>& v) {
+MULTILIFT_INLINE Vec3<R> turned(const SinCos<R>& heading, const Vec3<R>& v) {
   return {heading.cos * v.x - heading.sin * v.y, heading.sin * v.x + heading.cos * v.y, v.z};
 }
 

@@ -69,8 +69,8 @@ struct Motion {
 /// `pull` becomes the tensions; cables outside `taut` have none.
 template <Real R>
 MULTILIFT_INLINE Pair6<R> solve_cables(const Plant<R>& p, const std::vector<Cable<R>>& cables,
-                                       const Masks<R>& taut, Vec3<R> force,
-                                       Vec3<R> torque, std::vector<R>& pull) {
+                                       const Masks<R>& taut, Vec3<R> force, Vec3<R> torque,
+                                       std::vector<R>& pull) {
   const R zero(0.0);
   Symmetric6<R> m;
   m.a.xx = m.a.yy = m.a.zz = p.payload_mass;
@@ -117,10 +117,9 @@ struct RigidCables {
       result.tension[i] =
           dot(c.direction, loads.vehicle[i]) + p.vehicle_mass[i] * (c.bend + correction);
     }
-    const auto [a, alpha] =
-        solve_cables(p, cables, taut, loads.payload,
-                     loads.payload_torque + gyroscopic_torque(p.payload_inertia, payload.rate),
-                     result.tension);
+    const auto [a, alpha] = solve_cables(
+        p, cables, taut, loads.payload,
+        loads.payload_torque + gyroscopic_torque(p.payload_inertia, payload.rate), result.tension);
     result.payload_acceleration = a;
     result.payload_angular_acceleration = select<R>(p.turns, alpha, {});
   }

@@ -25,16 +25,15 @@ template <Real R>
 struct Instant {
   Rotation<R> payload_turn;
   std::vector<Cable<R>> cable;
-  std::vector<Vec3<R>> thrust;   // force of each vehicle's rotors and their drag, W, N
-  std::vector<Vec3<R>> contact;  // the floor's force on each vehicle, W, N
-  Vec3<R> payload_contact;       // W, N
+  std::vector<Vec3<R>> thrust;     // force of each vehicle's rotors and their drag, W, N
+  std::vector<Vec3<R>> contact;    // the floor's force on each vehicle, W, N
+  Vec3<R> payload_contact;         // W, N
   Vec3<R> payload_contact_torque;  // L, N m
-  Vec3<R> payload_drag;          // W, N
+  Vec3<R> payload_drag;            // W, N
   Loads<R> loads;
   Motion<R> motion;
 
-  explicit Instant(std::size_t n)
-      : cable(n), thrust(n), contact(n), loads(n), motion(n) {}
+  explicit Instant(std::size_t n) : cable(n), thrust(n), contact(n), loads(n), motion(n) {}
 };
 
 template <Real R, class VehicleKind, class CableKind>
@@ -46,14 +45,13 @@ class Dynamics {
   using Input = typename Vehicles::Input;
   using X = State<R, VehicleState>;
 
-  Dynamics(const Plant<R>& plant, const Vehicles& vehicles,
-           const std::optional<Ground<R>>& ground)
+  Dynamics(const Plant<R>& plant, const Vehicles& vehicles, const std::optional<Ground<R>>& ground)
       : plant_(plant), vehicles_(vehicles), ground_(ground) {}
 
   /// Works out `now` at x; `taut` says which rigid cables are, or which elastic ones are whole.
   MULTILIFT_INLINE void evaluate(const X& x, const std::vector<Input>& input,
-                                 const Surroundings<R>& outside,
-                                 const Masks<R>& taut, Instant<R>& now) const {
+                                 const Surroundings<R>& outside, const Masks<R>& taut,
+                                 Instant<R>& now) const {
     gather(x, input, outside, now);
     Cables::motion(plant_, x.payload, now.cable, now.loads, taut, now.motion);
   }

@@ -54,7 +54,7 @@ struct Powers {
     v(Field{"impact", "J", Range::any, "lost or gained where cables are pulled taut"}, self.impact);
   }
 
-  void add(const R& k, const Powers& w) {
+  MULTILIFT_INLINE void add(const R& k, const Powers& w) {
     dissipation += k * w.dissipation;
     internal += k * w.internal;
     cables += k * w.cables;
@@ -122,7 +122,7 @@ MULTILIFT_INLINE Displacement<R> displacement_of(const State<R, V>& x, const Tar
 
 /// The part of the storage function that the drag estimates make, J.
 template <Real R>
-R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
+MULTILIFT_INLINE R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
                     const std::vector<Vec3<R>>& d_hat) {
   R twice(0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -197,8 +197,8 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   }
   const Vec3<R> lever = x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot;
   const R weight = one + coupling.mean_c;
-  w.payload_drag = dot(lever, now.payload_drag) -
-                   weight * dot(omega, scale(p.payload_spin_damping, omega));
+  w.payload_drag =
+      dot(lever, now.payload_drag) - weight * dot(omega, scale(p.payload_spin_damping, omega));
   w.push += dot(lever, outside.payload_push) + weight * dot(omega, outside.payload_push_torque);
   w.contact += dot(lever, now.payload_contact) + weight * dot(omega, now.payload_contact_torque);
   return w;

@@ -1,7 +1,7 @@
 // The numbers of the spatial plant: n vehicles, a payload and the cables between them.
 //
-// World W: x east, y north, z up (ENU). Payload frame L: at the payload's centre of mass, axes along
-// its principal axes of inertia, level with the world's at rest.
+// World W: x east, y north, z up (ENU). Payload frame L: at the payload's centre of mass, axes
+// along its principal axes of inertia, level with the world's at rest.
 #pragma once
 
 #include <vector>
@@ -78,11 +78,11 @@ struct Parameters {
 /// The parameters with what the equations divide by, found once.
 template <Real R>
 struct Plant : Parameters<R> {
-  std::vector<R> inverse_mass;   // of the vehicles, 1/kg
-  std::vector<R> inverse_length; // of the cables, 1/m
-  R inverse_payload_mass;        // 1/kg
-  Vec3<R> turning_inertia;       // as the equations use it: 1 where a point mass has none, kg m^2
-  mask_t<R> turns;               // false for a point mass
+  std::vector<R> inverse_mass;    // of the vehicles, 1/kg
+  std::vector<R> inverse_length;  // of the cables, 1/m
+  R inverse_payload_mass;         // 1/kg
+  Vec3<R> turning_inertia;        // as the equations use it: 1 where a point mass has none, kg m^2
+  mask_t<R> turns;                // false for a point mass
 
   explicit Plant(const Parameters<R>& p)
       : Parameters<R>(p),

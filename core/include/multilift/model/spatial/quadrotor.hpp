@@ -1,9 +1,9 @@
 // A quadrotor as a rigid body with four rotors.
 //
 // Body frame B: x forward, y left, z up (FLU), at the centre of mass, where the cable is tied too.
-// Rotors stand in a circle around it, counted counterclockwise from the front (+ frame) or the front
-// left (X frame), and turn alternately, the first one clockwise seen from above, which drives the
-// body counterclockwise (+z).
+// Rotors stand in a circle around it, counted counterclockwise from the front (+ frame) or the
+// front left (X frame), and turn alternately, the first one clockwise seen from above, which drives
+// the body counterclockwise (+z).
 #pragma once
 
 #include <numbers>

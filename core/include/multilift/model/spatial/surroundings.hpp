@@ -25,7 +25,8 @@ struct Ground {
             "height of a vehicle's centre of mass when it stands"},
       self.vehicle_clearance);
     v(Field{"payload_clearance", "m", Range::non_negative,
-            "how far below the payload's attachments, or its centre if it is a point, its feet are"},
+            "how far below the payload's attachments, or its centre if it is a point, its feet "
+            "are"},
       self.payload_clearance);
   }
 };
@@ -36,18 +37,16 @@ inline constexpr double friction_speed = 0.02;
 /// The floor's force on one point of a body of a given weight, W, N: a critically damped spring up,
 /// and friction against the slip, both only while the point is below the floor.
 template <Real R>
-MULTILIFT_INLINE Vec3<R> contact_force(const Ground<R>& ground, const R& weight,
-                                       const R& gravity, const Vec3<R>& point,
-                                       const Vec3<R>& velocity) {
+MULTILIFT_INLINE Vec3<R> contact_force(const Ground<R>& ground, const R& weight, const R& gravity,
+                                       const Vec3<R>& point, const Vec3<R>& velocity) {
   const R zero(0.0);
   const R depth = ground.height - point.z;
   const R touching = select(zero < depth, R(1.0), zero);
   const R rate = sqrt(gravity / ground.sink);  // of the undamped spring, rad/s
   const R normal =
-      touching * weight *
-      max(depth / ground.sink - R(2.0) * velocity.z * rate / gravity, zero);
-  const R slip = sqrt(velocity.x * velocity.x + velocity.y * velocity.y +
-                      R(friction_speed * friction_speed));
+      touching * weight * max(depth / ground.sink - R(2.0) * velocity.z * rate / gravity, zero);
+  const R slip =
+      sqrt(velocity.x * velocity.x + velocity.y * velocity.y + R(friction_speed * friction_speed));
   const R grip = ground.friction * normal / slip;
   return {-grip * velocity.x, -grip * velocity.y, normal};
 }

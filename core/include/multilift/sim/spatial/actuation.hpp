@@ -172,10 +172,9 @@ class Autopilots {
     for (std::size_t i = 0; i < craft.size(); ++i) {
       const Vec3<R>& force = command.force[i];
       const R size = max(norm(force), R(1e-9));
-      const AttitudeThrust<R> wanted{
-          attitude_along(force, size, half_yaw),
-          normalised_thrust(size, hover_force_[i], p_.hover_thrust[i], greatest_[i],
-                            p_.thrust_curve[i])};
+      const AttitudeThrust<R> wanted{attitude_along(force, size, half_yaw),
+                                     normalised_thrust(size, hover_force_[i], p_.hover_thrust[i],
+                                                       greatest_[i], p_.thrust_curve[i])};
       input[i] = autopilot_.step(i, craft[i], wanted);
     }
   }

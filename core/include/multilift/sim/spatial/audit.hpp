@@ -1,8 +1,8 @@
 // The energy audit of a run: does the storage function change as the theory says?
 //
-// The powers of energy.hpp are integrated with the stages of the Runge-Kutta step itself, and impacts
-// of cables enter as the jumps they make, so what remains between the storage function and their sum
-// is integration error and nothing else.
+// The powers of energy.hpp are integrated with the stages of the Runge-Kutta step itself, and
+// impacts of cables enter as the jumps they make, so what remains between the storage function and
+// their sum is integration error and nothing else.
 #pragma once
 
 #include "multilift/model/spatial/energy.hpp"
@@ -81,8 +81,9 @@ class Audit {
 
  private:
   const Target<R>& target_at(Stage stage) const {
-    return stage == Stage::start ? *targets_.start
-                                 : stage == Stage::middle ? *targets_.middle : *targets_.end;
+    return stage == Stage::start    ? *targets_.start
+           : stage == Stage::middle ? *targets_.middle
+                                    : *targets_.end;
   }
 
   Plant<R> plant_;

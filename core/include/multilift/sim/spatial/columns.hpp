@@ -20,7 +20,8 @@ void visit_columns(const Sample<R, V>& s, F&& v) {
     column(name + "_y", unit, doc + ", y", x.y);
     column(name + "_z", unit, doc + ", z", x.z);
   };
-  const auto attitude = [&](const std::string& name, const std::string& of, const Quaternion<R>& q) {
+  const auto attitude = [&](const std::string& name, const std::string& of,
+                            const Quaternion<R>& q) {
     column(name + "_qw", "", of + "'s attitude to the world, unit quaternion, scalar", q.w);
     column(name + "_qx", "", of + "'s attitude, x", q.x);
     column(name + "_qy", "", of + "'s attitude, y", q.y);

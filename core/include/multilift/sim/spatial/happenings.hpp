@@ -1,4 +1,5 @@
-// What happens to a flight from outside at given times: pushes, cables cut, rotors and vehicles lost.
+// What happens to a flight from outside at given times: pushes, cables cut, rotors and vehicles
+// lost.
 #pragma once
 
 #include "multilift/model/spatial/dynamics.hpp"

@@ -107,8 +107,8 @@ class Metrics {
       swing = max(swing, select(taut, swing_of(s, rest_direction_, i), zero));
       min_tension_ = min(min_tension_, now.motion.tension[i]);
       max_tension_ = max(max_tension_, now.motion.tension[i]);
-      residual_ = max(residual_, select(s.taut[i].is, abs(now.cable[i].length -
-                                                          plant.cable_length[i]), zero));
+      residual_ = max(residual_,
+                      select(s.taut[i].is, abs(now.cable[i].length - plant.cable_length[i]), zero));
     }
     peak_swing_squared_ = max(peak_swing_squared_, swing);
     constexpr double band = swing_band * swing_band;  // chord and arc differ by 1e-5 of it
@@ -153,10 +153,12 @@ class Metrics {
     const auto chord = [&](const R& squared) {
       return 2.0 * std::asin(std::fmin(0.5 * std::sqrt(of(squared)), 1.0)) / degree;
     };
-    v(Field{"peak_swing", "deg", Range::any, "greatest angle of a taut cable from its direction at rest"},
+    v(Field{"peak_swing", "deg", Range::any,
+            "greatest angle of a taut cable from its direction at rest"},
       chord(peak_swing_squared_));
     v(Field{"swing_settling_time", "s", Range::any,
-            "last time a taut cable is more than 1 degree from its direction at rest; empty if still "
+            "last time a taut cable is more than 1 degree from its direction at rest; empty if "
+            "still "
             "at the end or if the run ended early"},
       settled(last_swing_));
     v(Field{"position_settling_time", "s", Range::any,
@@ -165,11 +167,13 @@ class Metrics {
     v(Field{"payload_settling_time", "s", Range::any,
             "last time the payload is farther than 0.02 m from its target; empty likewise"},
       settled(last_payload_far_));
-    v(Field{"payload_error_max", "m", Range::any, "greatest distance of the payload from its target"},
+    v(Field{"payload_error_max", "m", Range::any,
+            "greatest distance of the payload from its target"},
       std::sqrt(of(payload_error_squared_)));
     v(Field{"payload_error_rms", "m", Range::any, "its root mean square"},
       std::sqrt(of(payload_error_integral_) / std::fmax(last_time_, 1e-12)));
-    v(Field{"payload_tilt_max", "deg", Range::any, "greatest angle of the payload's z from upright"},
+    v(Field{"payload_tilt_max", "deg", Range::any,
+            "greatest angle of the payload's z from upright"},
       std::acos(std::fmin(std::fmax(of(tilt_cosine_), -1.0), 1.0)) / degree);
     v(Field{"payload_yaw_error_max", "deg", Range::any, "greatest error of the payload's heading"},
       std::asin(std::fmin(of(yaw_sine_), 1.0)) / degree);
@@ -189,7 +193,8 @@ class Metrics {
       of(events_.hardest_impulse));
     v(Field{"vehicle_distance_min", "m", Range::any, "least distance of two vehicles"},
       of(clearance_.vehicles));
-    v(Field{"cable_distance_min", "m", Range::any, "least distance of a vehicle from another's cable"},
+    v(Field{"cable_distance_min", "m", Range::any,
+            "least distance of a vehicle from another's cable"},
       of(clearance_.cables));
     v(Field{"cable_residual", "m", Range::any, "greatest error of a taut cable's length"},
       of(residual_));

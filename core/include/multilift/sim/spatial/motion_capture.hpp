@@ -54,7 +54,8 @@ struct MotionCaptureParameters {
       self.freeze_start);
     v(Field{"freeze_duration", "s", Range::non_negative, "for how long; 0 never"},
       self.freeze_duration);
-    v(Field{"swap_start", "s", Range::non_negative, "when vehicles 1 and 2 are taken for each other"},
+    v(Field{"swap_start", "s", Range::non_negative,
+            "when vehicles 1 and 2 are taken for each other"},
       self.swap_start);
     v(Field{"swap_duration", "s", Range::non_negative, "for how long; 0 never"},
       self.swap_duration);
@@ -130,9 +131,8 @@ class MotionCapture {
     Vec3<R> turn{};
     blur(turn, m.payload.rate, p_.attitude_noise, p_.rate_noise, stream += 3, draw);
     const R half(0.5);
-    m.payload.attitude = normalised(m.payload.attitude * Quaternion<R>{R(1.0), half * turn.x,
-                                                                       half * turn.y,
-                                                                       half * turn.z});
+    m.payload.attitude = normalised(
+        m.payload.attitude * Quaternion<R>{R(1.0), half * turn.x, half * turn.y, half * turn.z});
     for (std::size_t i = 0; i < m.vehicle.size(); ++i)
       blur(m.vehicle[i], m.vehicle_velocity[i], p_.position_noise, p_.velocity_noise, stream += 3,
            draw);

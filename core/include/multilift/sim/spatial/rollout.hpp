@@ -1,4 +1,5 @@
-// One spatial run: plant, law, link, autopilots and motion capture stepped together at a fixed step.
+// One spatial run: plant, law, link, autopilots and motion capture stepped together at a fixed
+// step.
 #pragma once
 
 #include <utility>
@@ -105,11 +106,11 @@ class Rollout {
     audit_.begin(x_, targets_[0], law_.drag_estimate());
     for (long k = 0;; ++k) {
       const double time = h * static_cast<double>(k);
-      if (k > 0) std::swap(targets_[0], targets_[2]);
+      if (k > 0 && !s_.reference.stands()) std::swap(targets_[0], targets_[2]);
       control(k, time);
       actuate(k);
       outside_.wind = wind_.at(k);
-      add_pushes(s_.pushes, R(time), Stage::start, outside_);
+      if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time), Stage::start, outside_);
       const Instant<R>& now = stepper_.observe(x_, input_, outside_);
 
       const Sample<R, V> sample{time,
@@ -146,8 +147,8 @@ class Rollout {
     for (const Vec3<R>& force : formation.cable_force) {
       const R size = norm(force);
       const R zero(0.0);
-      directions.push_back(select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force,
-                                     {zero, zero, R(1.0)}));
+      directions.push_back(
+          select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force, {zero, zero, R(1.0)}));
     }
     return directions;
   }
@@ -189,17 +190,17 @@ class Rollout {
   }
 
   void advance(double time, double h) {
-    if (!s_.reference.stands()) {
+    if (s_.reference.stands()) {
+      audit_.next_step({&targets_[0], &targets_[0], &targets_[0]});
+    } else {
       s_.reference.at(time + 0.5 * h, targets_[1]);
       s_.reference.at(time + h, targets_[2]);
-    } else {
-      targets_[2] = targets_[0];
+      audit_.next_step({&targets_[0], &targets_[1], &targets_[2]});
     }
-    audit_.next_step({&targets_[0], &targets_[1], &targets_[2]});
     stepper_.step(
         x_, input_, h,
         [&](const R& since, Stage stage) -> const Surroundings<R>& {
-          add_pushes(s_.pushes, R(time) + since, stage, outside_);
+          if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time) + since, stage, outside_);
           return outside_;
         },
         audit_);

@@ -13,7 +13,8 @@
 
 namespace multilift::spatial {
 
-/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a millisecond.
+/// How finely an event's time is found, as a part of the step: 2^-20, a nanosecond of a
+/// millisecond.
 inline constexpr int event_halvings = 20;
 /// A slack cable this much longer than its rest length counts as pulled taut, m.
 inline constexpr double contact_tolerance = 1e-7;
@@ -92,7 +93,10 @@ class Stepper {
       for (int event = 0; event < most_events; ++event) {
         runge_kutta(x, input, done, left, outside_at, ledger);
         const mask_t<R> breach = breach_at(trial_);
-        if (!any(breach)) break;
+        if (!any(breach)) {
+          accept(x, ledger);
+          return;
+        }
         const R piece = time_of_event(x, input, done, left, breach, outside_at, ledger);
         accept(x, ledger);
         change(x, breach, ledger);

@@ -5,9 +5,9 @@
 // bodies meet the same gust.
 #pragma once
 
+#include "multilift/fields.hpp"
 #include "multilift/math/philox.hpp"
 #include "multilift/math/vec3.hpp"
-#include "multilift/fields.hpp"
 
 namespace multilift::spatial {
 
@@ -90,7 +90,8 @@ class Wind {
     for (std::size_t a = 0; a < 3; ++a) {
       Filter& f = gust.axis[a];
       const double fresh = std::sqrt(1.0 - f.keep * f.keep);
-      // White noise through 1/(1 + T s), of variance 1/2 for the second-order axes, 1 for the first.
+      // White noise through 1/(1 + T s), of variance 1/2 for the second-order axes, 1 for the
+      // first.
       f.y = f.keep * f.y + (1.0 - f.keep) * f.x;
       f.x = f.keep * f.x + (a == 0 ? 1.0 : std::numbers::sqrt2 / 2.0) * fresh * noise[a];
       constexpr double root3 = std::numbers::sqrt3;
