@@ -80,11 +80,14 @@ def linearisation(
     vehicle_drag: Array | float = 0.0,
     payload_drag: Array | float = 0.0,
     payload_spin_damping: Array | float = 0.0,
+    least_lever: float = 1e-6,
 ) -> Linearisation:
     """The ideal plant to first order about its formation at rest, in the payload's level frame.
 
     Rotations that no cable resists or drives are no coordinates: about the line through the centre
-    of mass and all attachments, or any where they coincide with it.
+    of mass and all attachments, or any where they coincide with it. Those with a small lever, such
+    as a bar's about itself or a box's under its one cable, swing faster than quadrotors can turn;
+    `least_lever` leaves them out too, to themselves.
 
     Args:
         vehicle_mass: shape (n,), kg.
@@ -96,6 +99,8 @@ def linearisation(
         vehicle_drag: of each vehicle, linear, shape (n, 3) or fewer dimensions, N s/m.
         payload_drag: linear, shape (3,) or a number, N s/m.
         payload_spin_damping: shape (3,) or a number, N m s.
+        least_lever: attachments' distance from an axis, in the root mean square, down to which
+            rotations about it are coordinates, m.
 
     Raises:
         ValueError: if a cable is slack at rest.
@@ -107,7 +112,7 @@ def linearisation(
     direction = cable_force / tension[:, None]
     # Rotations that move an attachment: the span of all r_i x e, which is all but their line.
     _, sizes, axes = np.linalg.svd(np.vstack([_cross(r) for r in attachment]))
-    turns = axes[sizes > 1e-6] if np.any(payload_inertia) else np.zeros((0, 3))
+    turns = axes[sizes > least_lever * np.sqrt(n)] if np.any(payload_inertia) else np.zeros((0, 3))
     k, m = len(turns), 3 + len(turns) + 2 * n
     drag = np.broadcast_to(vehicle_drag, (n, 3))
 
@@ -193,7 +198,7 @@ def lqr_gains(
     payload_inertia: Array,
     cable_force: Array,
     weights: Weights = Weights(),  # noqa: B008 - frozen
-    **damping: Array | float,
+    **more: Array | float,
 ) -> dict[str, Array]:
     """The gains of the compiled law ``lqr``, by its fields' names, for vehicles that act at once.
 
@@ -208,7 +213,8 @@ def lqr_gains(
         payload_inertia: shape (3,), kg m^2.
         cable_force: at rest, in the payload's level frame, shape (n, 3), N.
         weights: what the regulator weighs.
-        damping: `vehicle_drag`, `payload_drag`, `payload_spin_damping` of `linearisation`.
+        more: `vehicle_drag`, `payload_drag`, `payload_spin_damping` and `least_lever` of
+            `linearisation`.
 
     Returns:
         ``vehicle_position`` and ``vehicle_velocity``, shape (n, n, 3, 3), and ``payload_position``,
@@ -221,7 +227,7 @@ def lqr_gains(
     """
     n = len(vehicle_mass)
     plant = linearisation(
-        vehicle_mass, cable_length, attachment, payload_mass, payload_inertia, cable_force, **damping
+        vehicle_mass, cable_length, attachment, payload_mass, payload_inertia, cable_force, **more
     )  # fmt: skip
     feedback = feedback_matrix(plant, weights, vehicle_mass)
     gains: dict[str, Array] = {}

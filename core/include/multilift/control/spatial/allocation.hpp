@@ -2,8 +2,8 @@
 //
 // Forces f_i at the attachments r_i make the wrench P f = (sum f_i, sum r_i x f_i). The forces of
 // least sum of squares that make a given one are P' (P P')^-1 (F, M). About the attachments' mean
-// r_m the 6x6 matrix P P' falls into n I and G = sum (|s_i|^2 I - s_i s_i'), s_i = r_i - r_m, so that
-// in closed form
+// r_m the 6x6 matrix P P' falls into n I and G = sum (|s_i|^2 I - s_i s_i'), s_i = r_i - r_m, so
+// that in closed form
 //
 //     f_i = F / n + b x s_i,   G b = M - r_m x F.
 //
@@ -74,8 +74,7 @@ SymmetricBlock<R> pseudoinverse(const SymmetricBlock<R>& g, const R& tiny) {
       safe.xx * safe.zz - safe.zx * safe.zx, safe.yx * safe.zy - safe.zx * safe.yy,
       safe.yx * safe.zx - safe.xx * safe.zy, safe.xx * safe.yy - safe.yx * safe.yx};
   const R minors = trace(cofactors);
-  const R determinant =
-      safe.xx * cofactors.xx + safe.yx * cofactors.yx + safe.zx * cofactors.zx;
+  const R determinant = safe.xx * cofactors.xx + safe.yx * cofactors.yx + safe.zx * cofactors.zx;
   const mask_t<R> line = determinant <= R(least_width_squared) * scale * minors;
   // Of a line the cofactors are the projector on it, up to a part as small as the width's square,
   // which three squarings bring below rounding.
@@ -115,8 +114,8 @@ class Allocation {
 
   /// What makes up the forces of a wrench: every cable's share, and the b of the moment.
   struct Parts {
-    Vec3<R> share;   // N
-    Vec3<R> twist;   // N/m
+    Vec3<R> share;  // N
+    Vec3<R> twist;  // N/m
   };
   MULTILIFT_INLINE Parts parts(const Wrench<R>& w) const {
     return {share_ * w.force, pseudoinverse_ * (w.moment - cross(mean_, w.force))};
@@ -139,8 +138,8 @@ class Allocation {
 
  private:
   R share_;
-  Vec3<R> mean_;               // r_m, m
-  std::vector<Vec3<R>> arm_;   // s_i, m
+  Vec3<R> mean_;              // r_m, m
+  std::vector<Vec3<R>> arm_;  // s_i, m
   SymmetricBlock<R> pseudoinverse_;
 };
 

@@ -1,13 +1,14 @@
-// Geometric control of a rigid payload on cables, after T. Lee, "Geometric control of quadrotor UAVs
-// transporting a cable-suspended rigid body", IEEE Trans. Control Systems Technology 26(1), 2018.
+// Geometric control of a rigid payload on cables, after T. Lee, "Geometric control of quadrotor
+// UAVs transporting a cable-suspended rigid body", IEEE Trans. Control Systems Technology 26(1),
+// 2018.
 //
 // Outer loop: the payload's pose errors ask for a wrench, which the cables share (allocation.hpp):
 // mu_i is the force that cable i shall exert. Inner loop: each vehicle turns its cable's direction
 // d_i on the sphere towards mu_i / |mu_i| while it holds the tension T_i = mu_i . d_i.
 //
-//     e'' = -k_p e - k_d e' - k_i integral(e),   w' = -K_R e_R - K_w e_w - K_I integral(e_R)   wanted
-//     omega_i' = -k_q (c_i x d_i) - k_c e_omega - (d_i . w_i) d_i' + (I - d_i d_i') w_i'       wanted
-//     u_i = T_i d_i + m_i (a_i + g e_3) + m_i l_i d_i''
+//     e'' = -k_p e - k_d e' - k_i integral(e),   w' = -K_R e_R - K_w e_w - K_I integral(e_R) wanted
+//     omega_i' = -k_q (c_i x d_i) - k_c e_omega - (d_i . w_i) d_i' + (I - d_i d_i') w_i' wanted u_i
+//     = T_i d_i + m_i (a_i + g e_3) + m_i l_i d_i''
 //
 // c_i is the wanted direction, w_i its rate of turning, omega_i = d_i x d_i', e_omega = omega_i -
 // (I - d_i d_i') w_i and a_i the attachment's acceleration. Lee's q_i is -d_i. Other than there:
@@ -24,6 +25,8 @@
 
 #include "multilift/control/spatial/allocation.hpp"
 #include "multilift/control/spatial/attitude_error.hpp"
+#include "multilift/control/spatial/cable_tracking.hpp"
+#include "multilift/control/spatial/geometric_gains.hpp"
 #include "multilift/control/spatial/law.hpp"
 
 namespace multilift::spatial {
@@ -34,59 +37,7 @@ class Geometric : public Law<R> {
   static constexpr const char* name = "geometric";
   static constexpr const char* title = "geometric control of the payload's pose on SE(3)";
 
-  struct Gains {
-    explicit Gains(std::size_t) {}
-
-    Vec3<R> k_position{R(2.0), R(2.0), R(4.0)};
-    Vec3<R> k_velocity{R(2.5), R(2.5), R(4.0)};
-    Vec3<R> k_integral{R(0.3), R(0.3), R(0.6)};
-    R integral_limit{2.0};
-    R error_limit{1.0};
-    Vec3<R> k_attitude{R(6.0), R(6.0), R(3.0)};
-    Vec3<R> k_rate{R(4.0), R(4.0), R(3.0)};
-    Vec3<R> k_attitude_integral{};
-    R attitude_integral_limit{2.0};
-    R k_cable{30.0};
-    R k_cable_rate{9.0};
-    R tension_floor{0.0};
-
-    template <class Self, class V>
-    static void visit(Self& self, V&& v) {
-      v(Field{"k_position", "1/s^2", Range::positive,
-              "payload's acceleration per error of its position along x, y, z"},
-        self.k_position);
-      v(Field{"k_velocity", "1/s", Range::positive, "per error of its velocity"}, self.k_velocity);
-      v(Field{"k_integral", "1/s^3", Range::non_negative, "per integral of its position's error"},
-        self.k_integral);
-      v(Field{"integral_limit", "m/s^2", Range::positive,
-              "bound on the acceleration that the integral asks for along each axis; it also rests "
-              "while a vehicle's command is saturated and the error would drive it further"},
-        self.integral_limit);
-      v(Field{"error_limit", "m", Range::positive,
-              "a payload farther from its target asks for no more than at this distance"},
-        self.error_limit);
-      v(Field{"k_attitude", "1/s^2", Range::positive,
-              "payload's angular acceleration per error of its attitude about its axes"},
-        self.k_attitude);
-      v(Field{"k_rate", "1/s", Range::positive, "per error of its angular rate"}, self.k_rate);
-      v(Field{"k_attitude_integral", "1/s^3", Range::non_negative,
-              "per integral of its attitude's error"},
-        self.k_attitude_integral);
-      v(Field{"attitude_integral_limit", "rad/s^2", Range::positive,
-              "bound on the angular acceleration that this integral asks for about each axis"},
-        self.attitude_integral_limit);
-      v(Field{"k_cable", "1/s^2", Range::positive,
-              "a cable's angular acceleration per error of its direction"},
-        self.k_cable);
-      v(Field{"k_cable_rate", "1/s", Range::positive, "per error of its rate of turning"},
-        self.k_cable_rate);
-      v(Field{"tension_floor", "N", Range::non_negative,
-              "where the wrench would leave a cable less pull than this along its direction at rest, "
-              "the formation's internal forces grow until it has it, at most to four times those at "
-              "rest; parallel cables have none that could"},
-        self.tension_floor);
-    }
-  };
+  using Gains = GeometricGains<R>;
 
   Geometric(const Gains& gains, const Parameters<R>& assumed, double period)
       : Law<R>(assumed.size()),
@@ -94,12 +45,13 @@ class Geometric : public Law<R> {
         assumed_(assumed),
         period_(period),
         allocation_(assumed.attachment),
-        turns_(R(0.0) < assumed.payload_inertia.x + assumed.payload_inertia.y +
-                            assumed.payload_inertia.z),
+        turns_(R(0.0) <
+               assumed.payload_inertia.x + assumed.payload_inertia.y + assumed.payload_inertia.z),
         rest_(assumed.size()),
         cable_(assumed.size()) {
     const R zero(0.0), one(1.0);
-    zip([&](R& inverse, const R& inertia) {
+    zip(
+        [&](R& inverse, const R& inertia) {
           const mask_t<R> some = zero < inertia;
           inverse = select(some, one / select(some, inertia, one), zero);
         },
@@ -114,25 +66,17 @@ class Geometric : public Law<R> {
     share_out(p, target, o);
     wanted_directions(p, target, o);
     for (std::size_t i = 0; i < force.size(); ++i) {
-      const Cable& c = cable_[i];
+      const TrackedCable<R>& c = cable_[i];
       const R mass = assumed_.vehicle_mass[i];
       const Vec3<R>& r = assumed_.attachment[i];
       const Vec3<R> a = o.acceleration + g + cross(o.turning, r) + cross(p.rate, cross(p.rate, r));
-      const Vec3<R> pull = c.tension * c.d + mass * a +
-                           (mass * assumed_.cable_length[i]) * wanted_bend(c);
-      force[i] = p.turn.to_world(pull) +
-                 scale(assumed_.vehicle_drag[i], measured.vehicle_velocity[i]);
+      const Vec3<R> pull =
+          c.tension * c.d + mass * a +
+          (mass * assumed_.cable_length[i]) * c.wanted_bend(gains_.k_cable, gains_.k_cable_rate);
+      force[i] =
+          p.turn.to_world(pull) + scale(assumed_.vehicle_drag[i], measured.vehicle_velocity[i]);
     }
     integrate(p, measured);
-  }
-
-  /// The force that cable i was asked to exert last, W, N, and its tension, N.
-  struct Share {
-    Vec3<R> force;
-    R tension;
-  };
-  Share share(const Rotation<R>& turn, std::size_t i) const {
-    return {turn.to_world(cable_[i].mu), cable_[i].tension};
   }
 
  private:
@@ -144,21 +88,15 @@ class Geometric : public Law<R> {
     R near;                     // by how much the error's limit shortens it
     Vec3<R> far_along;          // unit vector along an error that is over its limit, else zero
     AttitudeError<R> attitude;
-    Vec3<R> spin, spin_rate, spin_jerk_at_rest;  // wanted rate of turning and its derivatives in this frame
-  };
-
-  struct Cable {
-    Vec3<R> d, d_rate, omega;
-    Vec3<R> mu, mu_rate, mu_jerk;        // wanted force and its derivatives
-    Vec3<R> share, share_rate;           // the same and its derivative in this frame
-    R tension, tension_rate;
+    Vec3<R> spin, spin_rate,
+        spin_jerk_at_rest;  // wanted rate of turning and its derivatives in this frame
   };
 
   /// What the payload does under the tensions of this law.
   struct Outer {
-    Vec3<R> acceleration;                  // m/s^2
-    Vec3<R> turning;                       // rad/s^2
-    Wrench<R> wanted, wanted_rate;         // in this frame
+    Vec3<R> acceleration;  // m/s^2
+    Vec3<R> turning;       // rad/s^2
+    Wrench<R> wanted;
   };
 
   Payload observe(const Measurement<R>& measured, const Target<R>& target) {
@@ -193,16 +131,11 @@ class Geometric : public Law<R> {
                           target.yaw_rate * cross(up_rate, p.rate);
 
     for (std::size_t i = 0; i < cable_.size(); ++i) {
-      Cable& c = cable_[i];
       const Vec3<R>& r = assumed_.attachment[i];
       rest_[i] = level.to_body(target.cable_force[i]);
-      const Vec3<R> along = turn.to_body(measured.vehicle[i] - body.position) - r;
-      const R inverse = one / max(norm(along), R(1e-9));
-      c.d = inverse * along;
-      const Vec3<R> apart = turn.to_body(measured.vehicle_velocity[i] - body.velocity) -
-                            cross(p.rate, r);
-      c.d_rate = inverse * (apart - dot(c.d, apart) * c.d);
-      c.omega = cross(c.d, c.d_rate);
+      cable_[i].observe(
+          turn.to_body(measured.vehicle[i] - body.position) - r,
+          turn.to_body(measured.vehicle_velocity[i] - body.velocity) - cross(p.rate, r));
     }
     return p;
   }
@@ -210,11 +143,10 @@ class Geometric : public Law<R> {
   /// First pass: the wanted wrench, its shares, the tensions, and what the payload then does.
   void share_out(const Payload& p, const Target<R>& target, Outer& o) {
     const Parameters<R>& a = assumed_;
-    const Vec3<R> asked =
-        p.turn.to_body(target.payload_acceleration - integral_ +
-                       Vec3<R>{R(0.0), R(0.0), a.gravity} -
-                       scale(gains_.k_position, p.turn.to_world(p.near * p.error)) -
-                       scale(gains_.k_velocity, p.turn.to_world(p.error_rate)));
+    const Vec3<R> asked = p.turn.to_body(
+        target.payload_acceleration - integral_ + Vec3<R>{R(0.0), R(0.0), a.gravity} -
+        scale(gains_.k_position, p.turn.to_world(p.near * p.error)) -
+        scale(gains_.k_velocity, p.turn.to_world(p.error_rate)));
     const Vec3<R> world_velocity = p.turn.to_world(p.velocity);
     o.wanted.force =
         a.payload_mass * asked +
@@ -232,18 +164,17 @@ class Geometric : public Law<R> {
     const R internal = internal_share(parts, at_rest);
     Vec3<R> excess, moment;
     for (std::size_t i = 0; i < cable_.size(); ++i) {
-      Cable& c = cable_[i];
-      c.share = c.mu = allocation_.force(parts, i) +
-                       internal * (rest_[i] - allocation_.force(at_rest, i));
-      c.tension = max(dot(c.mu, c.d), R(0.0));
-      excess += c.tension * c.d - c.mu;
-      moment += cross(a.attachment[i], c.tension * c.d);
+      TrackedCable<R>& c = cable_[i];
+      c.mu = allocation_.force(parts, i) + internal * (rest_[i] - allocation_.force(at_rest, i));
+      const Vec3<R> pull = c.pull();
+      excess += pull - c.mu;
+      moment += cross(a.attachment[i], pull);
     }
     // The wanted force makes the asked acceleration; what the cables exert beyond it adds to that.
     const Vec3<R> gravity = p.turn.to_body({R(0.0), R(0.0), a.gravity});
     o.acceleration = asked - gravity + (R(1.0) / a.payload_mass) * excess;
-    const Vec3<R> free = cross(p.rate, scale(a.payload_inertia, p.rate)) +
-                         scale(a.payload_spin_damping, p.rate);
+    const Vec3<R> free =
+        cross(p.rate, scale(a.payload_inertia, p.rate)) + scale(a.payload_spin_damping, p.rate);
     o.turning = select<R>(turns_, scale(inverse_inertia_, moment - free), p.spin_rate);
   }
 
@@ -266,7 +197,7 @@ class Geometric : public Law<R> {
   /// Second and third pass: the first and second derivative of the wanted forces.
   void wanted_directions(const Payload& p, const Target<R>& target, const Outer& o) {
     const Parameters<R>& a = assumed_;
-    const R two(2.0), zero(0.0);
+    const R two(2.0);
     const Vec3<R>& w = p.rate;
     const R per_mass = R(1.0) / a.payload_mass;
     // Gains are along the world's axes.
@@ -283,15 +214,13 @@ class Geometric : public Law<R> {
                            along_world(gains_.k_position, limited(p.error_rate)) -
                            along_world(gains_.k_velocity, error2) -
                            along_world(gains_.k_integral, p.near * p.error);
-    const Vec3<R> force1 =
-        a.payload_mass * asked1 + along_world(a.payload_drag, o.acceleration);
+    const Vec3<R> force1 = a.payload_mass * asked1 + along_world(a.payload_drag, o.acceleration);
     Wrench<R> rate;
     rate.force = force1 - cross(w, o.wanted.force);
     const Vec3<R> turn_error_rate = p.attitude.rate(w - p.spin);
     const Vec3<R> turn_error2 = o.turning - p.spin_rate;
     const Vec3<R> spin_jerk = p.spin_jerk_at_rest + cross(p.spin, o.turning);
-    const Vec3<R> turning1 = spin_jerk -
-                             scale(gains_.k_attitude, turn_error_rate) -
+    const Vec3<R> turning1 = spin_jerk - scale(gains_.k_attitude, turn_error_rate) -
                              scale(gains_.k_rate, turn_error2) -
                              scale(gains_.k_attitude_integral, p.attitude.error);
     const Vec3<R> free1 = cross(o.turning, inertia(w)) + cross(w, inertia(o.turning)) +
@@ -301,11 +230,10 @@ class Geometric : public Law<R> {
     auto parts = allocation_.parts(rate);
     Vec3<R> excess, moment;
     for (std::size_t i = 0; i < cable_.size(); ++i) {
-      Cable& c = cable_[i];
+      TrackedCable<R>& c = cable_[i];
       c.share_rate = allocation_.force(parts, i);
-      c.mu_rate = c.share_rate + cross(w, c.share);
-      c.tension_rate = select(zero < c.tension, dot(c.mu_rate, c.d) + dot(c.mu, c.d_rate), zero);
-      const Vec3<R> pull_rate = c.tension_rate * c.d + c.tension * c.d_rate;
+      c.mu_rate = c.share_rate + cross(w, c.mu);
+      const Vec3<R> pull_rate = c.pull_rate();
       excess += pull_rate - c.mu_rate;
       moment += cross(a.attachment[i], pull_rate - cross(w, c.tension * c.d));
     }
@@ -315,46 +243,26 @@ class Geometric : public Law<R> {
 
     const Vec3<R> error3 = jerk - p.turn.to_body(target.payload_jerk);
     const Vec3<R> force2 =
-        a.payload_mass * (p.turn.to_body(target.payload_snap) -
-                          along_world(gains_.k_position, limited(error2)) -
-                          along_world(gains_.k_velocity, error3) -
-                          along_world(gains_.k_integral, limited(p.error_rate))) +
+        a.payload_mass *
+            (p.turn.to_body(target.payload_snap) - along_world(gains_.k_position, limited(error2)) -
+             along_world(gains_.k_velocity, error3) -
+             along_world(gains_.k_integral, limited(p.error_rate))) +
         along_world(a.payload_drag, jerk);
     Wrench<R> second;
     second.force = force2 - two * cross(w, rate.force) - cross(o.turning, o.wanted.force) -
                    cross(w, cross(w, o.wanted.force));
-    const Vec3<R> turning2 =
-        -scale(gains_.k_attitude, p.attitude.rate(turn_error2)) -
-        scale(gains_.k_rate, turning_rate - spin_jerk) -
-        scale(gains_.k_attitude_integral, turn_error_rate);
+    const Vec3<R> turning2 = -scale(gains_.k_attitude, p.attitude.rate(turn_error2)) -
+                             scale(gains_.k_rate, turning_rate - spin_jerk) -
+                             scale(gains_.k_attitude_integral, turn_error_rate);
     second.moment = inertia(turning2) + two * cross(o.turning, inertia(o.turning)) +
                     cross(turning_rate, inertia(w)) + cross(w, inertia(turning_rate)) +
                     scale(a.payload_spin_damping, turning_rate);
     parts = allocation_.parts(second);
     for (std::size_t i = 0; i < cable_.size(); ++i) {
-      Cable& c = cable_[i];
+      TrackedCable<R>& c = cable_[i];
       c.mu_jerk = allocation_.force(parts, i) + two * cross(w, c.share_rate) +
-                  cross(o.turning, c.share) + cross(w, cross(w, c.share));
+                  cross(o.turning, c.mu) + cross(w, cross(w, c.mu));
     }
-  }
-
-  /// d'' of a cable: towards the wanted direction, across the cable as the law says, along it as
-  /// its length demands.
-  Vec3<R> wanted_bend(const Cable& c) const {
-    const R size = max(norm(c.mu), R(1e-9));
-    const R inverse = R(1.0) / size;
-    const Vec3<R> wanted = inverse * c.mu;
-    const Vec3<R> w = inverse * cross(wanted, c.mu_rate);
-    const R growth = inverse * dot(wanted, c.mu_rate);
-    const Vec3<R> wanted_rate = cross(w, wanted);
-    const Vec3<R> w_rate =
-        inverse * (cross(wanted_rate, c.mu_rate) + cross(wanted, c.mu_jerk)) - growth * w;
-    const R about = dot(c.d, w);
-    const Vec3<R> error_rate = c.omega - (w - about * c.d);
-    const Vec3<R> omega_rate = (w_rate - dot(c.d, w_rate) * c.d) - about * c.d_rate -
-                               gains_.k_cable * cross(wanted, c.d) -
-                               gains_.k_cable_rate * error_rate;
-    return -dot(c.omega, c.omega) * c.d - cross(c.d, omega_rate);
   }
 
   void integrate(const Payload& p, const Measurement<R>& measured) {
@@ -368,8 +276,8 @@ class Geometric : public Law<R> {
     const Vec3<R> error = p.turn.to_world(p.near * p.error);
     zip([&](R& sum, const R& gain, const R& e) { add(sum, gain, e, limit); }, integral_,
         gains_.k_integral, error);
-    zip([&](R& sum, const R& gain, const R& e) { add(sum, gain, e, turn_limit); },
-        turn_integral_, gains_.k_attitude_integral, p.attitude.error);
+    zip([&](R& sum, const R& gain, const R& e) { add(sum, gain, e, turn_limit); }, turn_integral_,
+        gains_.k_attitude_integral, p.attitude.error);
   }
 
   Gains gains_;
@@ -377,11 +285,11 @@ class Geometric : public Law<R> {
   double period_;
   Allocation<R> allocation_;
   mask_t<R> turns_;
-  Vec3<R> inverse_inertia_;         // 1/(kg m^2), 0 about axes without inertia
-  Vec3<R> integral_;                // W, m/s^2
-  Vec3<R> turn_integral_;           // payload frame, rad/s^2
-  std::vector<Vec3<R>> rest_;       // the formation's cable forces, payload frame, N
-  std::vector<Cable> cable_;
+  Vec3<R> inverse_inertia_;    // 1/(kg m^2), 0 about axes without inertia
+  Vec3<R> integral_;           // W, m/s^2
+  Vec3<R> turn_integral_;      // payload frame, rad/s^2
+  std::vector<Vec3<R>> rest_;  // the formation's cable forces, payload frame, N
+  std::vector<TrackedCable<R>> cable_;
 };
 
 }  // namespace multilift::spatial

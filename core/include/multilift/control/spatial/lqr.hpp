@@ -4,9 +4,9 @@
 //     u_i = holding force - sum_j (K_ij (p_j - p_jd) + D_ij (v_j - v_jd))
 //           - (K_iL (x - x_d) + D_iL (v - v_d) + A_i e_R + B_i (w - w_d))
 //
-// Every error stands in the level frame with the target's heading, in which the gains were found, the
-// attitude's in the payload's own. A regulator of n coupled vehicles feeds each one's state to each,
-// so that gains and work grow with n squared; no formation is excluded.
+// Every error stands in the level frame with the target's heading, in which the gains were found,
+// the attitude's in the payload's own. A regulator of n coupled vehicles feeds each one's state to
+// each, so that gains and work grow with n squared; no formation is excluded.
 #pragma once
 
 #include "multilift/control/spatial/adaptive_feedback.hpp"
@@ -88,8 +88,7 @@ class Lqr : public Law<R> {
       for (std::size_t j = 0; j < force.size(); ++j)
         asked += times(gains_.vehicle_position[i][j], position_[j]) +
                  times(gains_.vehicle_velocity[i][j], velocity_[j]);
-      force[i] =
-          holding_force(assumed_, target, gains_.feedforward, i) - level.to_world(asked);
+      force[i] = holding_force(assumed_, target, gains_.feedforward, i) - level.to_world(asked);
     }
   }
 
