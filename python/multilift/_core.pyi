@@ -116,3 +116,8 @@ def planar_rollout_python(setup: PlanarSetup, law: Callable) -> dict:
     """
     Runs a law written in Python, law(t, q, q_dot, saturated) -> (u1, u2, u3, u4).
     """
+
+def planar_operations(law: str, row: Sequence[float], step: float, steps: int, control_steps: int) -> dict:
+    """
+    Operations of one run, by kind: add, multiply, divide, root, and other ones on numbers.
+    """
