@@ -10,7 +10,7 @@ namespace {
 nb::dict operations(const std::string& law_name, const std::vector<double>& row, double step,
                     long steps, long control_steps) {
   using R = Counting;
-  const planar::Timing timing{step, steps, control_steps, steps};
+  const Timing timing{step, steps, control_steps, steps};
   nb::dict counted;
   planar::for_each_law<R>([&]<class Law>() {
     if (law_name != Law::name) return;

@@ -78,7 +78,7 @@ class Wind {
     for (std::size_t a = 0; a < 3; ++a) {
       // The wind blew before the run began: x and y start as they are at any other time, their
       // variances 1/2 and 1/4 and their covariance 1/4 (x's is 1 along the wind, which lacks y).
-      const auto [n0, n1] = normal_pair(seeds_[static_cast<std::size_t>(k)], stream + 2, a);
+      const auto [n0, n1] = normal_pair<double>(seeds_[static_cast<std::size_t>(k)], stream + 2, a);
       const double x = (a == 0 ? 1.0 : std::numbers::sqrt2 / 2.0) * n0;
       const double y = 0.5 * x + std::numbers::sqrt2 / 4.0 * n1;
       gust.axis[a] = {std::exp(-step * speed / scale[a]), sigma[a], x, y};
