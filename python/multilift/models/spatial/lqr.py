@@ -197,7 +197,7 @@ def lqr_gains(
     payload_mass: float,
     payload_inertia: Array,
     cable_force: Array,
-    weights: Weights = Weights(),  # noqa: B008 - frozen
+    weights: Weights = Weights(),
     **more: Array | float,
 ) -> dict[str, Array]:
     """The gains of the compiled law ``lqr``, by its fields' names, for vehicles that act at once.
