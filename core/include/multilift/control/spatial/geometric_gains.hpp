@@ -56,7 +56,9 @@ struct GeometricGains {
     v(Field{"tension_floor", "N", Range::non_negative,
             "where the wrench would leave a cable less pull than this along its direction at rest, "
             "the formation's internal forces grow until it has it, at most to twice those at rest; "
-            "that spreads the cables, and parallel ones have none that could grow"},
+            "that spreads the cables, whose tracking suffers meanwhile, and parallel ones have "
+            "none "
+            "that could grow"},
       self.tension_floor);
   }
 };
