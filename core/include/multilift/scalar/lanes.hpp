@@ -89,23 +89,13 @@ MULTILIFT_INLINE Lanes<W> abs(Lanes<W> x) {
                                                               0x7fffffffffffffffLL));
 }
 
-// Functions outside the hot loop go lane by lane, so that each lane has the bits of a double.
 template <int W>
-Lanes<W> exp(Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::exp(x.v[k]);
-  return x;
-}
-
+struct WordsOf<Lanes<W>> {
+  using type = typename VectorOf<std::uint64_t, W>::type;
+};
 template <int W>
-Lanes<W> atan(Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::atan(x.v[k]);
-  return x;
-}
-
-template <int W>
-Lanes<W> atan2(Lanes<W> y, Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::atan2(y.v[k], x.v[k]);
-  return x;
+MULTILIFT_INLINE auto bits_of(Lanes<W> x) {
+  return std::bit_cast<words_t<Lanes<W>>>(x.v);
 }
 
 template <int W>

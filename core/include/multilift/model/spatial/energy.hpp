@@ -123,7 +123,7 @@ MULTILIFT_INLINE Displacement<R> displacement_of(const State<R, V>& x, const Tar
 /// The part of the storage function that the drag estimates make, J.
 template <Real R>
 MULTILIFT_INLINE R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
-                    const std::vector<Vec3<R>>& d_hat) {
+                                     const std::vector<Vec3<R>>& d_hat) {
   R twice(0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     const Vec3<R> error = p.vehicle_drag[i] - d_hat[i];

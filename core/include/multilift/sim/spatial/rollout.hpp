@@ -87,7 +87,8 @@ class Rollout {
       command_.force[i].z += s_.assumed.vehicle_mass[i] * s_.assumed.gravity;
     }
     command_.yaw = targets_[0].yaw;
-    transmission_.emplace(s_.link, s_.limits, s_.timing.step, s_.seeds, command_);
+    transmission_.emplace(s_.link, s_.limits, s_.timing.step, s_.timing.control_steps, s_.seeds,
+                          command_);
     if (s_.motion_capture) {
       tell_truth(x_, measured_);
       capture_.emplace(*s_.motion_capture, s_.timing.control_steps, s_.timing.step, s_.seeds,
