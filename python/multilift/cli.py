@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,6 +18,9 @@ import multilift as ml
 from multilift import library, models, storage
 from multilift.errors import MultiliftError, ScenarioError
 from multilift.run import Run
+
+#: When the process began, as good as: until now it has done nothing but load packages.
+_BEGUN = time.perf_counter() - time.process_time()
 
 EXIT_BAD_INPUT = 2
 EXIT_ENDED_EARLY = 3
@@ -152,7 +156,7 @@ def study(
 
     try:
         result = runner.run(plan, output, engine=engine, threads=threads, chunk=chunk, force=force,
-                            console=_err)  # fmt: skip
+                            console=_err, begun=_BEGUN)  # fmt: skip
     except KeyboardInterrupt:
         _err.print("finished chunks are kept: the same command goes on behind them")
         raise
@@ -180,7 +184,7 @@ def _print_study(result: Any, *, local: bool) -> None:
                       f"{summary.study.worlds - law.outcomes['finished']:,}")  # fmt: skip
     _out.print(table, highlight=False)
     if cost.runs:
-        outside = f"{100 * cost.outside:.1f} % of the time outside the batch engine; " * local
+        outside = f"{100 * cost.outside:.1f} % of the time outside the compiled kernel; " * local
         _out.print(
             f"\n{cost.runs:,} runs ({cost.simulated_seconds:,.4g} simulated s) in "
             f"{cost.wall_seconds:.1f} s: {cost.rate:,.4g} simulated seconds a second; {outside}a "
