@@ -12,7 +12,7 @@ FIELDS = _core.spatial_fields()
 LAWS = _core.spatial_laws()
 GRAVITY = 9.8
 
-#: A quadrotor per kilogram of its mass m: scaled like the paper's craft, which weighs 1.486 kg.
+#: A quadrotor of 1 to 2 kg, besides what goes with its mass.
 CRAFT = {
     "arm_length": 0.225,
     "torque_ratio": 0.016,
@@ -116,7 +116,8 @@ def team(n, rng, *, kind="platform"):
     at = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(n, up)], axis=1)
     flat = load * radius**2 / 4
     return Team(
-        mass, length, at, load, np.array([flat, flat, 2 * flat]), np.full(n, 0.15 + 0.25 * rng.random())
+        mass, length, at, load, np.array([flat, flat, 2 * flat]),
+        np.full(n, 0.15 + 0.25 * rng.random()),
     )  # fmt: skip
 
 
@@ -194,8 +195,8 @@ def fly(
     record_steps=10,
     seed=1,
     callback=None,
-):  # fmt: skip
-    """One run; `craft` (or {}) makes the vehicles quadrotors. Samples come by the columns' names."""
+):
+    """One run; `craft` (or {}) makes the vehicles quadrotors. Samples come by columns' names."""
     n = team.n
     quadrotors = craft is not None
     payload, vehicles = begin

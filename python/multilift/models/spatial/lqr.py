@@ -198,7 +198,11 @@ def lqr_gains(
     payload_inertia: Array,
     cable_force: Array,
     weights: Weights = Weights(),
-    **more: Array | float,
+    *,
+    vehicle_drag: Array | float = 0.0,
+    payload_drag: Array | float = 0.0,
+    payload_spin_damping: Array | float = 0.0,
+    least_lever: float = 1e-6,
 ) -> dict[str, Array]:
     """The gains of the compiled law ``lqr``, by its fields' names, for vehicles that act at once.
 
@@ -213,8 +217,10 @@ def lqr_gains(
         payload_inertia: shape (3,), kg m^2.
         cable_force: at rest, in the payload's level frame, shape (n, 3), N.
         weights: what the regulator weighs.
-        more: `vehicle_drag`, `payload_drag`, `payload_spin_damping` and `least_lever` of
-            `linearisation`.
+        vehicle_drag: as `linearisation` takes it, N s/m.
+        payload_drag: likewise, N s/m.
+        payload_spin_damping: likewise, N m s.
+        least_lever: likewise, m. 0.2 suits quadrotors.
 
     Returns:
         ``vehicle_position`` and ``vehicle_velocity``, shape (n, n, 3, 3), and ``payload_position``,
@@ -227,8 +233,17 @@ def lqr_gains(
     """
     n = len(vehicle_mass)
     plant = linearisation(
-        vehicle_mass, cable_length, attachment, payload_mass, payload_inertia, cable_force, **more
-    )  # fmt: skip
+        vehicle_mass,
+        cable_length,
+        attachment,
+        payload_mass,
+        payload_inertia,
+        cable_force,
+        vehicle_drag=vehicle_drag,
+        payload_drag=payload_drag,
+        payload_spin_damping=payload_spin_damping,
+        least_lever=least_lever,
+    )
     feedback = feedback_matrix(plant, weights, vehicle_mass)
     gains: dict[str, Array] = {}
     for names, part in (

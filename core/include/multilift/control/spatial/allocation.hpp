@@ -51,11 +51,10 @@ R trace(const SymmetricBlock<R>& a) {
 }
 
 template <Real R>
-SymmetricBlock<R> select(const mask_t<R>& mask, const SymmetricBlock<R>& a,
+SymmetricBlock<R> chosen(const mask_t<R>& mask, const SymmetricBlock<R>& a,
                          const SymmetricBlock<R>& b) {
-  return {multilift::select(mask, a.xx, b.xx), multilift::select(mask, a.yx, b.yx),
-          multilift::select(mask, a.yy, b.yy), multilift::select(mask, a.zx, b.zx),
-          multilift::select(mask, a.zy, b.zy), multilift::select(mask, a.zz, b.zz)};
+  return {select(mask, a.xx, b.xx), select(mask, a.yx, b.yx), select(mask, a.yy, b.yy),
+          select(mask, a.zx, b.zx), select(mask, a.zy, b.zy), select(mask, a.zz, b.zz)};
 }
 
 /// The pseudoinverse of G = trace(S) I - S of attachments with second moments S about their mean.
@@ -67,7 +66,7 @@ SymmetricBlock<R> pseudoinverse(const SymmetricBlock<R>& g, const R& tiny) {
   const SymmetricBlock<R> nothing{};
   const SymmetricBlock<R> identity{one, R(0.0), one, R(0.0), R(0.0), one};
   // Of a point everything is left out in the end; until then it shall divide by no zero.
-  const SymmetricBlock<R> safe = select<R>(point, identity, g);
+  const SymmetricBlock<R> safe = chosen<R>(point, identity, g);
   const R scale = trace(safe);
   const SymmetricBlock<R> cofactors{
       safe.yy * safe.zz - safe.zy * safe.zy, safe.zx * safe.zy - safe.yx * safe.zz,
@@ -88,7 +87,7 @@ SymmetricBlock<R> pseudoinverse(const SymmetricBlock<R>& g, const R& tiny) {
   // With the line's own eigenvalue raised the inverse exists; then its part is taken out again.
   const SymmetricBlock<R> raised = inverse(combined(one, safe, scale, along));
   const SymmetricBlock<R> of_line = combined(one, raised, -one / (scale + about_line), along);
-  return select<R>(point, nothing, select<R>(line, of_line, inverse(safe)));
+  return chosen<R>(point, nothing, chosen<R>(line, of_line, inverse(safe)));
 }
 
 }  // namespace detail

@@ -178,7 +178,8 @@ class Geometric : public Law<R> {
     o.turning = select<R>(turns_, scale(inverse_inertia_, moment - free), p.spin_rate);
   }
 
-  /// How many times the internal forces at rest keep every cable's pull above its floor.
+  /// How many times the internal forces at rest keep every cable's pull above its floor; bounded,
+  /// since they spread the cables. Its own rate is left out of the wanted directions'.
   R internal_share(const typename Allocation<R>::Parts& parts,
                    const typename Allocation<R>::Parts& at_rest) const {
     const R zero(0.0), one(1.0);
@@ -191,7 +192,7 @@ class Geometric : public Law<R> {
       const R needed = (gains_.tension_floor - given) / select(can, each, one);
       internal = max(internal, select(can, needed, zero));
     }
-    return min(internal, R(4.0));
+    return min(internal, R(2.0));
   }
 
   /// Second and third pass: the first and second derivative of the wanted forces.

@@ -54,11 +54,11 @@ struct GeometricGains {
     v(Field{"k_cable_rate", "1/s", Range::positive, "per error of its rate of turning"},
       self.k_cable_rate);
     v(Field{"tension_floor", "N", Range::non_negative,
-            "where the wrench would leave a cable less pull than this along its direction at "
-            "rest, "
-            "the formation's internal forces grow until it has it, at most to four times those "
-            "at "
-            "rest; parallel cables have none that could"},
+            "where the wrench would leave a cable less pull than this along its direction at rest, "
+            "the formation's internal forces grow until it has it, at most to twice those at rest; "
+            "that spreads the cables, whose tracking suffers meanwhile, and parallel ones have "
+            "none "
+            "that could grow"},
       self.tension_floor);
   }
 };
