@@ -91,3 +91,23 @@ def bad_worlds(columns: Columns) -> NDArray[np.bool_]:
                 off = np.abs(time / step - np.round(time / step))
                 bad |= off >= 1e-6 * np.maximum(1.0, time / step)
     return bad
+
+
+def heights(push: dict[str, Any], time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A push's profile over time, of height 1, for pictures; the core has its own.
+
+    Args:
+        push: the normalised table.
+        time: s.
+    """
+    since = time - push["start"]
+    inside = (since >= 0.0) & (since < push["duration"])
+    if push["shape"] == "half_sine":
+        height = np.sin(np.pi * since / push["duration"])
+    elif push["shape"] == "sine":
+        height = np.sin(2.0 * np.pi * push["frequency"] * since)
+    elif push["shape"] == "samples":
+        height = np.interp(since, push["sample_times"], push["sample_values"], left=0.0, right=0.0)
+    else:
+        height = np.ones_like(since)
+    return np.asarray(np.where(inside, height, 0.0))

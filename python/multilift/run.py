@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from multilift.controllers import CompiledLaw
     from multilift.quantities import Quantities
+    from multilift.saved import SavedLaw
     from multilift.scenario import Scenario
 
 
@@ -41,7 +42,11 @@ class Run:
     """
 
     def __init__(
-        self, scenario: Scenario, law: CompiledLaw | PythonLaw, result: dict[str, Any]
+        self,
+        scenario: Scenario,
+        law: CompiledLaw | PythonLaw | SavedLaw,
+        result: dict[str, Any],
+    
     ) -> None:
         self.scenario = scenario
         self.controller = law.name
@@ -51,9 +56,11 @@ class Run:
         self.end_time = float(result["end_time"])
         self.metrics: dict[str, float] = dict(result["metrics"])
         self.audit: dict[str, float] = dict(result["audit"])
-        samples = np.asarray(result["samples"])
-        self._columns: dict[str, NDArray[np.float64]] = {
-            name: samples[:, k] for k, name in enumerate(self.quantities.columns)
+        self._columns: dict[str, NDArray[np.float64]] = result.get("columns") or {
+            name: column
+            for name, column in zip(
+                self.quantities.columns, np.asarray(result["samples"]).T, strict=True
+            )
         }
         if isinstance(law, PythonLaw):
             for name in self.quantities.law_columns:  # of what a law of one's own does not tell
@@ -174,6 +181,7 @@ class Run:
             "controller": self.controller,
             "seed": self.scenario.values["simulation"]["seed"],
             "ending": self.ending,
+            "culprit": self.culprit,
         }
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from multilift.controllers import CompiledLaw, PythonLaw
     from multilift.overrides import Columns
     from multilift.quantities import Quantities
+    from multilift.replay.scene import Scene
     from multilift.report.contents import View
     from multilift.run import Run
     from multilift.scenario import Scenario
@@ -155,6 +156,13 @@ class Model(ABC):
     def quantities(self, scenario: Scenario) -> Quantities:
         """Names, units and meanings of what a run of this scenario returns."""
 
+    @property
+    def run_type(self) -> type[Run]:
+        """The class of this model's runs."""
+        from multilift.run import Run  # noqa: PLC0415 - a run asks its model
+
+        return Run
+
     @abstractmethod
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> Run:
         """Runs a scenario under a law that `controllers.resolve` found."""
@@ -214,6 +222,16 @@ class Model(ABC):
     @abstractmethod
     def overview(self, runs: Sequence[Run]) -> Figure:
         """One figure of runs of one scenario, saved with every run; see `multilift.plot.stack`."""
+
+    def scene(self, run: Run) -> Scene:
+        """What a run looks like in space, for replays; not every model has a shape.
+
+        Raises:
+            ScenarioError: if this one has none.
+        """
+        raise ScenarioError(
+            "has no shape to replay", where=run.scenario.where, key="plant.model", value=self.name
+        )
 
     def view(self) -> View:
         """What the report's animation and curves show of a run, if the model has such a page."""

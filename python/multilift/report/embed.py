@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from multilift.packed import encoded, stride_of, thinned
 from multilift.report.contents import PaperTest, RunView, View
 from multilift.report.text import listed, ordinal
 from multilift.styles import DESIRED_STYLE, law_styles
@@ -43,33 +43,6 @@ def _checked(test: PaperTest, run: RunView, view: View) -> dict[str, NDArray[np.
     return columns
 
 
-def _stride(records: int, max_points: int) -> int:
-    return max(1, math.ceil((records - 1) / max_points))
-
-
-def _decimated(column: NDArray[np.float64], stride: int) -> NDArray[np.float64]:
-    """Every stride-th record and the last."""
-    picked = column[::stride]
-    return picked if (len(column) - 1) % stride == 0 else np.append(picked, column[-1])
-
-
-def _encoded(column: NDArray[np.float64], diverged: bool) -> dict[str, Any]:
-    """A column as compact JSON, to six digits of its largest value, or of each if it diverged.
-
-    One of {"c": x, "n": count}, a constant; {"p": p, "d": [...]}, whole numbers of which the
-    running sum over 10**p is the column; {"v": [...]}, the numbers themselves with null for what
-    is not finite.
-    """
-    if np.all(column == column[0]) and math.isfinite(column[0]):
-        return {"c": float(f"{column[0]:.6g}"), "n": len(column)}
-    largest = float(np.max(np.abs(column)))  # NaN if there is one
-    p = 5 - math.floor(math.log10(largest)) if math.isfinite(largest) else 0
-    if diverged or not math.isfinite(largest) or abs(p) > 200:
-        return {"v": [float(f"{x:.6g}") if math.isfinite(x) else None for x in column]}
-    whole = np.rint(column * 10.0**p).astype(np.int64)
-    return {"p": p, "d": np.diff(whole, prepend=0).tolist()}
-
-
 def _range(runs: Sequence[Mapping[str, NDArray[np.float64]]], names: Sequence[str]) -> list[float]:
     """Least and greatest finite value of the named columns over runs; empty if there is none."""
     found = [run[name][np.isfinite(run[name])] for run in runs for name in names if name in run]
@@ -98,7 +71,7 @@ def _test_data(test: PaperTest, view: View, max_points: int) -> dict[str, Any]:
         checked = [{k: v for k, v in c.items() if k not in view.applied} for c in checked]
     runs = []
     for run, columns in zip(test.runs, checked, strict=True):
-        stride = _stride(len(columns["t"]), max_points)
+        stride = stride_of(len(columns["t"]), max_points)
         runs.append(
             {
                 "law": run.law,
@@ -106,7 +79,7 @@ def _test_data(test: PaperTest, view: View, max_points: int) -> dict[str, Any]:
                 "finished": run.status == "finished",
                 "status": run.status_sentence,
                 "columns": {
-                    name: _encoded(_decimated(column, stride), run.status == "diverged")
+                    name: encoded(thinned(column, stride), run.status == "diverged")
                     for name, column in columns.items()
                 },
             }
@@ -147,7 +120,7 @@ def page_data(tests: Sequence[PaperTest], view: View, max_points: int) -> dict[s
 
 def drawn_note(test: PaperTest, max_points: int) -> str:
     """Which records the animation and the curves of a test show."""
-    strides = [_stride(len(run.series["t"]), max_points) for run in test.runs]
+    strides = [stride_of(len(run.series["t"]), max_points) for run in test.runs]
     parts = []
     for stride in dict.fromkeys(strides):
         which = (

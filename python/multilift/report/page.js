@@ -4,21 +4,13 @@
 const report = (() => {
   const data = JSON.parse(document.getElementById("report-data").textContent);
 
-  function decode(packed) {
-    if ("c" in packed) return new Float64Array(packed.n).fill(packed.c);
-    if ("v" in packed) return Float64Array.from(packed.v, (x) => (x === null ? NaN : x));
-    const unit = 10 ** packed.p;
-    let sum = 0;
-    return Float64Array.from(packed.d, (step) => (sum += step) / unit);
-  }
-
   const decoded = new Map();
   /** A run's column as numbers; null if the run has none of that name. */
   function column(run, name) {
     if (!(name in run.columns)) return null;
     if (!decoded.has(run)) decoded.set(run, new Map());
     const columns = decoded.get(run);
-    if (!columns.has(name)) columns.set(name, decode(run.columns[name]));
+    if (!columns.has(name)) columns.set(name, unpack(run.columns[name]));
     return columns.get(name);
   }
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
-from typing import Any
 from urllib.parse import quote
 
 import jinja2
@@ -17,12 +14,14 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from multilift import models
+from multilift.packed import resource, safe_json, script
 from multilift.report.contents import Claim, Figure, Page, PaperTest
 from multilift.report.embed import drawn_note, page_data
 from multilift.report.tables import Row, audit_rows, key_table, metric_row, missing_notes
 from multilift.report.text import inline, listed, paragraphs
 from multilift.styles import law_styles
 
+_HERE = "multilift.report"
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 # By verdict: its name in the style sheet and how its count reads for one claim and for more.
@@ -89,23 +88,6 @@ def _relative(path: str) -> str:
     return "./" + quote(path.replace("\\", "/"))
 
 
-def _safe_json(value: Any) -> Markup:
-    """JSON without a character that means something to HTML."""
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for character in "<>&\u2028\u2029":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return Markup(text)
-
-
-def _script(text: str) -> Markup:
-    """A script's source such that it cannot end the script element around it."""
-    return Markup(re.sub(r"</(?=script)", r"<\\/", text, flags=re.IGNORECASE))
-
-
-def _resource(name: str) -> str:
-    return resources.files("multilift.report").joinpath(name).read_text("utf-8")
-
-
 def _check(page: Page, views: Sequence[_TestView]) -> None:
     for claim in page.claims:
         if claim.verdict not in _VERDICTS:
@@ -147,15 +129,21 @@ def render(page: Page, *, max_points: int = 1500) -> str:
         keep_trailing_newline=True,
     )
     environment.filters |= {"inline": inline, "paragraphs": paragraphs, "relative": _relative}
-    return environment.from_string(_resource("template.html.j2")).render(
+    return environment.from_string(resource(_HERE, "template.html.j2")).render(
         page=page,
         views=views,
         key=key_table(page),
         styles=law_styles([run.law for test in page.tests for run in test.runs]),
         verdicts={name: entry[0] for name, entry in _VERDICTS.items()},
         verdict_counts=_verdict_counts(page.claims),
-        style=Markup(_resource("style.css")),
-        scripts=[_script(_resource(name)) for name in ("page.js", view.player, "charts.js")],
-        data=_safe_json(page_data(page.tests, view, max_points)),
-        plotly=_script(get_plotlyjs()),
+        style=Markup(resource(_HERE, "style.css")),
+        scripts=[
+            Markup(script(resource(package, name)))
+            for package, name in (
+                ("multilift", "packed.js"), (_HERE, "page.js"), (_HERE, view.player),
+                (_HERE, "charts.js"),
+            )
+        ],
+        data=Markup(safe_json(page_data(page.tests, view, max_points))),
+        plotly=Markup(script(get_plotlyjs())),
     )

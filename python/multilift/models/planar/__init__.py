@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ from multilift.steps import Steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from multilift.replay.scene import Scene
 
     from multilift.report.contents import View
 
@@ -50,6 +52,10 @@ class Planar(Model):
 
     def quantities(self, scenario: Scenario) -> Quantities:
         return quantities.QUANTITIES
+
+    @property
+    def run_type(self) -> type[PlanarRun]:
+        return PlanarRun
 
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> PlanarRun:
         return rollout.simulate(planar_only(scenario, "the planar rollout"), law)
@@ -80,6 +86,11 @@ class Planar(Model):
         layout.run_worlds(
             kernel, columns, worlds, steps, results, threads=threads, progress=progress
         )
+
+    def scene(self, run: Run) -> Scene:
+        from multilift.models.planar import scene  # noqa: PLC0415 - few runs are looked at
+
+        return scene.scene(cast("PlanarRun", run))
 
     def overview(self, runs: Sequence[Run]) -> Figure:
         from multilift.models.planar import plot  # noqa: PLC0415 - loads matplotlib

@@ -27,6 +27,8 @@ from multilift.steps import Steps
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from multilift.replay.scene import Scene
+
 
 class Spatial(Model):
     """See `multilift.models.Model`."""
@@ -62,6 +64,10 @@ class Spatial(Model):
         return quantities.quantities(
             scenario["plant.vehicles"], scenario["vehicle.kind"] == "quadrotor"
         )
+
+    @property
+    def run_type(self) -> type[SpatialRun]:
+        return SpatialRun
 
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> SpatialRun:
         columns, worlds = Columns(scenario, None, 1), np.zeros(1, dtype=np.intp)
@@ -107,6 +113,11 @@ class Spatial(Model):
         kernel.run_spatial(
             frame=frame, rows=table, seeds=seeds, **results, threads=threads, progress=progress
         )
+
+    def scene(self, run: Run) -> Scene:
+        from multilift.models.spatial import scene  # noqa: PLC0415 - few runs are looked at
+
+        return scene.scene(cast("SpatialRun", run))
 
     def overview(self, runs: Sequence[Run]) -> Figure:
         from multilift.models.spatial import plot  # noqa: PLC0415 - loads matplotlib
