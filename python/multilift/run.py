@@ -46,7 +46,6 @@ class Run:
         scenario: Scenario,
         law: CompiledLaw | PythonLaw | SavedLaw,
         result: dict[str, Any],
-    
     ) -> None:
         self.scenario = scenario
         self.controller = law.name

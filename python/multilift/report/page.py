@@ -140,7 +140,9 @@ def render(page: Page, *, max_points: int = 1500) -> str:
         scripts=[
             Markup(script(resource(package, name)))
             for package, name in (
-                ("multilift", "packed.js"), (_HERE, "page.js"), (_HERE, view.player),
+                ("multilift", "packed.js"),
+                (_HERE, "page.js"),
+                (_HERE, view.player),
                 (_HERE, "charts.js"),
             )
         ],

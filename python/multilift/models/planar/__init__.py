@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from multilift.replay.scene import Scene
-
     from multilift.report.contents import View
 
 

@@ -217,8 +217,7 @@ def _legend(
     count = runs[0].scenario.count
     if alone and count <= _MANY:
         handles += [
-            Line2D([], [], color=vehicle_colour(k), label=f"vehicle {k + 1}")
-            for k in range(count)
+            Line2D([], [], color=vehicle_colour(k), label=f"vehicle {k + 1}") for k in range(count)
         ]
     elif alone:
         handles.append(Patch(color="0.25", alpha=0.3, label=f"all {count} vehicles"))
