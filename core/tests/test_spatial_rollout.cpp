@@ -27,8 +27,16 @@ struct World {
 };
 
 World random_world(Random& random, std::size_t n) {
-  World w{random_parameters(random, n), Formation<double>(n), State<double, PointMass<double>>(n),
-          {}, {}, {}, random(0.05, 0.3), random(-5.0, 5.0), 0.0, 7};
+  World w{random_parameters(random, n),
+          Formation<double>(n),
+          State<double, PointMass<double>>(n),
+          {},
+          {},
+          {},
+          random(0.05, 0.3),
+          random(-5.0, 5.0),
+          0.0,
+          7};
   add_drag(random, w.p);
   w.p.payload_mass = random(1.0, 3.0);
   const double share = 1.0 / static_cast<double>(n);
@@ -147,10 +155,22 @@ std::vector<End> fly(const std::vector<World>& worlds, const Extras& extras, con
   for (std::size_t k = 0; k < seeds.size(); ++k) seeds[k] = worlds[k].seed;
   using Kind = IdealVehicles<R>;
   const Setup<R, Kind, Cables> setup{
-      Plant<R>(p), p, Kind(typename Kind::Parameters(n)), ground,
-      side_by_side<R, PointMass>(starts), formation,
-      Reference<R>({}, R(0.3), extras.moving ? winding_path() : Path{}, formation), link,
-      LimitParameters<R>(n), capture, wind, safety, pushes, {}, timing, seeds};
+      Plant<R>(p),
+      p,
+      Kind(typename Kind::Parameters(n)),
+      ground,
+      side_by_side<R, PointMass>(starts),
+      formation,
+      Reference<R>({}, R(0.3), extras.moving ? winding_path() : Path{}, formation),
+      link,
+      LimitParameters<R>(n),
+      capture,
+      wind,
+      safety,
+      pushes,
+      {},
+      timing,
+      seeds};
   Rollout<R, Kind, Cables, DirectForce<R>> rollout(setup, law, DirectForce<R>{});
   std::vector<End> ends(worlds.size());
   const auto finish = [&](int k, Status status, const auto&... rest) {
@@ -168,9 +188,9 @@ std::vector<End> fly(const std::vector<World>& worlds, const Extras& extras, con
   return ends;
 }
 
-/// What remains of the audit goes with the fourth power of the step while no cable changes, whatever
-/// else happens: unequal masses, wind and gusts, pushes on all bodies, sampled commands and estimates,
-/// noise, loss, and a reference that moves and turns.
+/// What remains of the audit goes with the fourth power of the step while no cable changes,
+/// whatever else happens: unequal masses, wind and gusts, pushes on all bodies, sampled commands
+/// and estimates, noise, loss, and a reference that moves and turns.
 template <class Cables>
 void the_audit_closes_with_the_step(Random& random, const Extras& extras) {
   double coarse = 0.0, fine = 0.0;
@@ -186,8 +206,8 @@ void the_audit_closes_with_the_step(Random& random, const Extras& extras) {
         w.p.cable_length[i] -= norm(w.formation.cable_force[i]) / w.p.cable_stiffness[i];
     const auto error = [&](long division) {
       const double step = 0.004 / static_cast<double>(division);
-      const auto end = fly<double, Cables>({w}, extras,
-                                           {step, 250 * division, 5 * division, 1000000})[0];
+      const auto end =
+          fly<double, Cables>({w}, extras, {step, 250 * division, 5 * division, 1000000})[0];
       CHECK(end.status == Status::finished);
       CHECK(end.audit.at("impact") == 0.0);
       return std::fabs(end.audit.at("largest_integration_error"));
@@ -203,8 +223,8 @@ void the_audit_closes_through_impacts(Random& random) {
   double impacts = 0.0;
   for (std::size_t k = 0; k < 20; ++k) {
     const World w = random_world(random, 1 + k % 6);
-    const auto end = fly<double, RigidCables<double>>({w}, {true, true, false},
-                                                      {5e-4, 4000, 20, 1000000})[0];
+    const auto end =
+        fly<double, RigidCables<double>>({w}, {true, true, false}, {5e-4, 4000, 20, 1000000})[0];
     CHECK(end.status == Status::finished);
     impacts += end.audit.at("impact") != 0.0 ? 1.0 : 0.0;
     // 1e-7 m of lateness at some 100 N, a few dozen times, weighed by 1 + c of up to 30.
@@ -219,8 +239,8 @@ void the_audit_closes_on_the_floor(Random& random) {
     World w = random_world(random, 3);
     w.start.payload.position.z += 0.1;
     for (auto& v : w.start.vehicle) v.position.z += 0.1;
-    const auto end = fly<double, RigidCables<double>>({w}, {false, false, true},
-                                                      {1e-4, 10000, 100, 1000000})[0];
+    const auto end =
+        fly<double, RigidCables<double>>({w}, {false, false, true}, {1e-4, 10000, 100, 1000000})[0];
     CHECK(end.status == Status::finished);
     CHECK_CLOSE(end.audit.at("largest_integration_error"), 0.0, 5e-2);
   }
@@ -233,8 +253,8 @@ void lanes_are_worlds(Random& random, std::size_t n) {
   for (int k = 0; k < W; ++k) {
     World w = random_world(random, n);
     w.seed = static_cast<std::uint64_t>(k);
-    if (k % 4 == 1) w.vehicle_distance = 0.95 * norm(w.start.vehicle[0].position -
-                                                      w.start.vehicle[1].position);
+    if (k % 4 == 1)
+      w.vehicle_distance = 0.95 * norm(w.start.vehicle[0].position - w.start.vehicle[1].position);
     if (k % 4 == 2) w.k_lambda = 1e3;  // the loop blows up
     worlds.push_back(w);
   }
