@@ -105,8 +105,8 @@ def test_a_law_that_answers_nonsense_is_named_with_the_time():
 
 def test_a_collision_ends_the_run_with_its_time():
     push = {"body": "vehicle_1", "start": 0.5, "duration": 0.5, "force": [-20.0, 0.0, 0.0]}
-    run = ml.simulate(plate(changes={"safety.vehicle_distance": 0.5, "push": [push]}))
+    run = ml.simulate(plate(changes={"safety.vehicle_distance": 0.8, "push": [push]}))
     assert run.status == "collision"
     assert 0.5 < run.end_time < 2.0
-    assert run.metrics["vehicle_distance_min"] < 0.5
+    assert run.metrics["vehicle_distance_min"] < 0.8
     assert "too close" in run.ending

@@ -98,7 +98,11 @@ def test_shipped_scenarios_load_and_come_back_from_their_own_text(name, tmp_path
 
 @pytest.mark.parametrize("name", vehicles.names())
 def test_shipped_vehicles_hover_below_their_greatest_thrust(name):
-    scenario = plate(changes={"vehicle.type": name, "plant.payload_mass": 1e-3})
+    raw = tables()
+    del raw["plant"]["vehicle_mass"]
+    raw["plant"]["payload_mass"] = 1e-3
+    raw["vehicle"] = {"type": name}
+    scenario = Scenario(raw)
     craft = scenario.vehicle
     greatest = 4 * craft.thrust_coefficient * craft.rotor_speed_max**2
     weight = np.array(scenario["plant.vehicle_mass"]) * scenario["plant.gravity"]

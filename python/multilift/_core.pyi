@@ -144,3 +144,8 @@ def spatial_laws() -> dict:
 
 def spatial_describe(n: int, quadrotors: bool) -> dict:
     """Columns, metrics and audit entries: (name, unit, meaning) each."""
+
+def planar_operations(law: str, row: Sequence[float], step: float, steps: int, control_steps: int) -> dict:
+    """
+    Operations of one run, by kind: add, multiply, divide, root, and other ones on numbers.
+    """

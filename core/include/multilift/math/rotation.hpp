@@ -54,7 +54,9 @@ struct Rotation {
   /// From the turned frame's coordinates to the world's.
   MULTILIFT_INLINE Vec3<R> to_world(const Vec3<R>& v) const { return v.x * x + v.y * y + v.z * z; }
   /// From the world's coordinates to the turned frame's.
-  MULTILIFT_INLINE Vec3<R> to_body(const Vec3<R>& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+  MULTILIFT_INLINE Vec3<R> to_body(const Vec3<R>& v) const {
+    return {dot(x, v), dot(y, v), dot(z, v)};
+  }
 };
 
 template <Real R>

@@ -11,10 +11,16 @@ struct Vec3 {
   R y{0.0};
   R z{0.0};
 
-  friend MULTILIFT_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend MULTILIFT_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend MULTILIFT_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  friend MULTILIFT_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
   friend MULTILIFT_INLINE Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
-  friend MULTILIFT_INLINE Vec3 operator*(const R& k, const Vec3& a) { return {k * a.x, k * a.y, k * a.z}; }
+  friend MULTILIFT_INLINE Vec3 operator*(const R& k, const Vec3& a) {
+    return {k * a.x, k * a.y, k * a.z};
+  }
   MULTILIFT_INLINE Vec3& operator+=(const Vec3& b) { return *this = *this + b; }
   MULTILIFT_INLINE Vec3& operator-=(const Vec3& b) { return *this = *this - b; }
 };

@@ -42,9 +42,8 @@ class LossyLine {
         if (queue_[j % queue_.size()].arrival[i] <= step) newest = j + 1;
       if (newest == before) continue;
       received_[i] = newest;
-      current_.visit_scalars(
-          queue_[(newest - 1) % queue_.size()].value,
-          [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
+      current_.visit_scalars(queue_[(newest - 1) % queue_.size()].value,
+                             [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
     }
     return current_;
   }

@@ -71,13 +71,13 @@ struct Formation {
 /// All of it at one instant.
 template <Real R>
 struct Target {
-  Vec3<R> payload, payload_velocity, payload_acceleration;                     // W
-  Vec3<R> payload_jerk, payload_snap;                                          // W, m/s^3, m/s^4
-  R yaw{0.0}, yaw_rate{0.0}, yaw_acceleration{0.0}, yaw_jerk{0.0};             // rad, ...
-  SinCos<R> heading{R(0.0), R(1.0)};                                           // of the yaw
-  std::vector<Vec3<R>> vehicle, vehicle_velocity, vehicle_acceleration;        // W
-  std::vector<Vec3<R>> cable_force, cable_force_rate;                          // W, N, N/s
-  Vec3<R> below, below_rate, below_acceleration;                               // W
+  Vec3<R> payload, payload_velocity, payload_acceleration;               // W
+  Vec3<R> payload_jerk, payload_snap;                                    // W, m/s^3, m/s^4
+  R yaw{0.0}, yaw_rate{0.0}, yaw_acceleration{0.0}, yaw_jerk{0.0};       // rad, ...
+  SinCos<R> heading{R(0.0), R(1.0)};                                     // of the yaw
+  std::vector<Vec3<R>> vehicle, vehicle_velocity, vehicle_acceleration;  // W
+  std::vector<Vec3<R>> cable_force, cable_force_rate;                    // W, N, N/s
+  Vec3<R> below, below_rate, below_acceleration;                         // W
 
   explicit Target(std::size_t n)
       : vehicle(n),

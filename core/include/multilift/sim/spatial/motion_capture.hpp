@@ -90,7 +90,8 @@ class MotionCapture {
   template <class V>
   void observe(long step, const State<R, V>& x) {
     if (step % every_ != 0) return;
-    const double time = step_ * static_cast<double>(step);
+    // Half a step on, so that rounding moves no edge to the next sample.
+    const double time = step_ * (static_cast<double>(step) + 0.5);
     const auto within = [&](const R& start, const R& duration) {
       return (start <= R(time)) & (R(time) < start + duration);
     };
