@@ -55,12 +55,9 @@ class Run:
         self.end_time = float(result["end_time"])
         self.metrics: dict[str, float] = dict(result["metrics"])
         self.audit: dict[str, float] = dict(result["audit"])
-        self._columns: dict[str, NDArray[np.float64]] = result.get("columns") or {
-            name: column
-            for name, column in zip(
-                self.quantities.columns, np.asarray(result["samples"]).T, strict=True
-            )
-        }
+        self._columns: dict[str, NDArray[np.float64]] = result.get("columns") or dict(
+            zip(self.quantities.columns, np.asarray(result["samples"]).T, strict=True)
+        )
         if isinstance(law, PythonLaw):
             for name in self.quantities.law_columns:  # of what a law of one's own does not tell
                 del self._columns[name]

@@ -1,0 +1,1 @@
+"""Runs seen in three dimensions: scenes, an offline page, recordings and animations."""

@@ -16,7 +16,8 @@ def sagging(foot: Array, top: Array, length: float, pieces: int = 16) -> Array:
     The catenary whose arc is `length` long; straight where the ends are at least so far apart.
 
     Args:
-        foot, top: its ends, shape (3,), m.
+        foot: its lower end, shape (3,), m.
+        top: its upper end, shape (3,), m.
         length: m.
         pieces: of the line.
     """

@@ -17,7 +17,7 @@ class Camera:
     """
 
     def __init__(self, box: Array, yaw: float, pitch: float, width: float, height: float) -> None:
-        """Looks from `yaw` about z and `pitch` above the horizon, rad, at `box`, shape (2, 3), m."""
+        """Looks at `box`, shape (2, 3), m, from `yaw` about z and `pitch` above level, rad."""
         self.width, self.height = width, height
         self.focal = 1.05 * height
         c, s = np.cos(pitch), np.sin(pitch)

@@ -21,7 +21,8 @@ def tension_colours(tension: NDArray[np.float64], low: float, high: float) -> ND
 
     Args:
         tension: N, any shape.
-        low, high: the range, N.
+        low: where the range begins, N.
+        high: where it ends, N.
     """
     part = np.clip((np.asarray(tension) - low) / max(high - low, 1e-300), 0.0, 1.0)
     part = np.nan_to_num(part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from multilift.replay.scene import Scene
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-    from PIL.ImageDraw import ImageDraw
+    from PIL.ImageDraw import ImageDraw as Pen
 
 Array = NDArray[np.float64]
 Ink = str | tuple[int, int, int]
@@ -54,7 +55,7 @@ class Painter:
         from PIL import ImageDraw  # noqa: PLC0415
 
         image = Images.new("RGB", (self.width, self.height + _SHARP * _STRIP), "white")
-        self.on: ImageDraw = ImageDraw.Draw(image)
+        self.on: Pen = ImageDraw.Draw(image)
         self.items: list[tuple[float, tuple[Array, Ink, float, Ink | None]]] = []
         self._floor(row)
         self._trails(row)
@@ -190,7 +191,7 @@ class Painter:
         if not loose:
             red, green, blue = colours.tension_colours(cable.tension[row], *scene.usual_tension)
             ink = (int(red), int(green), int(blue))
-        for piece in zip(points[:-1], points[1:], strict=True):
+        for piece in pairwise(points):
             self._later(np.array(piece), ink, 1.4 if loose else 3)
 
     def _pushes(self, row: int) -> None:
@@ -223,8 +224,10 @@ class Painter:
             self.on.text((10 * s, (26 + 16 * k) * s), event.text, fill=_ALARM, font=self.small)
         for k, vehicle in enumerate(scene.vehicles):
             x, y, _ = self.camera.project(vehicle.position[row : row + 1])[0]
-            self.on.text((x + 9 * s, y - 9 * s), str(k + 1), fill=_INK, font=self.small, anchor="mm",
-                         stroke_width=s, stroke_fill="white")  # fmt: skip
+            self.on.text(
+                (x + 9 * s, y - 9 * s), str(k + 1), fill=_INK, font=self.small, anchor="mm",
+                stroke_width=s, stroke_fill="white",
+            )  # fmt: skip
         low, high = scene.usual_tension
         left, top, wide = self.width - 168 * s, self.height - 20 * s, 60 * s
         for x, colour in enumerate(colours.ramp(wide)):

@@ -1,7 +1,7 @@
 """What there is to see of a run in space: shapes, places over time, and what happened when.
 
-A model makes the scene of a run (`multilift.models.Model.scene`); page, recording and animation draw
-it and know no model. World axes x, y, z (up), m; attitudes are unit quaternions, scalar first.
+A model makes the scene of a run (`multilift.models.Model.scene`); page, recording and animation
+draw it and know no model. World axes x, y, z (up), m; attitudes are unit quaternions, scalar first.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ _BODIES = {"bar": -1, "vehicle_1": 0, "vehicle_2": 1}
 
 
 def scene(run: PlanarRun) -> Scene:
-    """The run as `multilift.replay` draws it; vehicles are symbols, the model gives them no size."""
+    """The run as `multilift.replay` draws it; vehicles are symbols, for they have no size."""
     plant = run.scenario.values["plant"]
     l0, half = plant["bar_length"], plant["bar_half_thickness"]
     goal = run.scenario.goal_vector().reshape(2, 2)
