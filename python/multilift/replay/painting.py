@@ -104,7 +104,8 @@ class Painter:
 
     def _payload_points(self, row: int) -> Array:
         attitude = self.scene.payload_attitude[row]
-        return self.scene.payload_position[row] + turned(attitude, self.scene.payload.points)
+        points = turned(attitude, self.scene.payload.points)
+        return np.asarray(self.scene.payload_position[row] + points)
 
     def _trails(self, row: int) -> None:
         scene = self.scene
