@@ -22,15 +22,15 @@ template <class R>
 nb::tuple shape_of(const Vec2<R>&) {
   return nb::make_tuple(2);
 }
+template <class R>
+nb::tuple shape_of(const Vec3<R>&) {
+  return nb::make_tuple(3);
+}
 template <class T, std::size_t N>
 nb::tuple shape_of(const std::array<T, N>& member) {
   return nb::tuple(nb::make_tuple(N) + shape_of(member[0]));
 }
 
-template <class R>
-nb::tuple shape_of(const Vec3<R>&) {
-  return nb::make_tuple(3);
-}
 /// A vector's length is the number of vehicles, "n".
 template <class T>
 nb::tuple shape_of(const std::vector<T>& member) {

@@ -69,11 +69,14 @@ nb::dict energies(const Values& values, double k_lambda, const Four& k_p, const 
   const Pose<double> pose = pose_of(plant, state);
   const auto given = loads_from(loads);
   const auto now = motion(plant, state, pose, given);
-  auto powers = powers_of(plant, gains, state, pose, given, now, pair_from(goal), pair_from(d_hat));
+  const planar::Storage<double> storage(plant, gains, pair_from(goal));
+  const auto formation = storage.formation(plant, state, pose);
+  auto powers = storage.powers(plant, state, pose, formation, given, now, pair_from(d_hat));
   nb::dict d;
-  d["mechanical"] = mechanical_energy(plant, state, pose);
-  d["shaped"] = shaped_energy(plant, k_lambda, state, pose);
-  d["storage"] = storage_function(plant, gains, state, pose, pair_from(goal), pair_from(d_hat));
+  d["mechanical"] = mechanical_energy(plant, state, pose, formation.swing);
+  d["shaped"] = shaped_energy(plant, k_lambda, state, pose, formation.swing);
+  d["storage"] = storage.motion_energy(plant, state, pose, formation) +
+                 storage.estimation_energy(plant, pair_from(d_hat));
   planar::Powers<double>::visit(powers,
                                 [&](const Field& field, double power) { d[field.name] = power; });
   return d;

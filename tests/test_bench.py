@@ -1,28 +1,74 @@
 """What the benchmark reports. How fast anything is, no test says."""
 
+import os
 import sys
 
+import multilift as ml
 import numpy as np
 import pytest
-from multilift import bench
+from multilift import _core, bench, isa
+from multilift.bench import flops
+from multilift.models.planar import layout
+from multilift.overrides import Columns
 from rich.console import Console
+
+
+def by_key(rows):
+    """Rows by their short names, no name twice."""
+    found = {row.key: row for row in rows}
+    assert len(found) == len(rows)
+    return found
 
 
 def test_every_row_holds_a_measured_number(capsys):
     pytest.importorskip("mujoco")
-    ours, theirs, ratio, law = bench.run_benchmarks(repetitions=1)
-    for row in (ours, theirs, ratio, law):
-        assert 0 < row.best == row.median < np.inf
-    assert ratio.median == theirs.median / ours.median
-    bench.print_rows([ours, theirs, ratio, law], Console(width=200))
+    rows = bench.run_benchmarks(repetitions=1, worlds=8)
+    found = by_key(rows)
+    for row in rows:
+        assert 0 < row.median < np.inf
+        assert row.best == row.median
+    assert found["one_ratio"].median == found["mujoco"].median / found["one"].median
+    for name in isa.available():
+        theirs, ours = found["mujoco_rollout"].median, found[name].median
+        assert found[f"{name}_ratio"].median == theirs / ours
+        rate = found["flops"].median / ours  # flop/ns
+        assert found[f"{name}_rate"].median == rate
+        assert found[f"{name}_share"].median == 100.0 * rate / found[f"{name}_loop"].median
+    assert ("threads" in found) == (os.cpu_count() > 1)
+    bench.print_rows(rows, Console(width=240))
     printed = capsys.readouterr().out
-    assert f"{ratio.median:.0f} " in printed
-    assert all(row.label in printed for row in (ours, theirs, ratio, law))
+    assert all(row.label in printed for row in rows)
 
 
 def test_without_mujoco_its_row_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    ours, theirs, law = bench.run_benchmarks(repetitions=1)
-    assert ours.median > 0 < law.median
-    assert theirs.median is None
-    assert "not installed" in theirs.note
+    found = by_key(bench.run_benchmarks(repetitions=1, worlds=8))
+    assert found["one"].median > 0 < found["law"].median
+    assert found["mujoco"].median is None
+    assert "not installed" in found["mujoco"].note
+    assert not [key for key in found if key.endswith("_ratio")]
+
+
+def test_operations_of_a_step_are_counted():
+    scenario = ml.load("sim1")
+    each = flops.operations(scenario)
+    # Four stages with one quotient each, and none in the ideal loop besides.
+    assert each.divide == 4.0
+    assert each.root == 0.0
+    assert each.flops == each.add + each.multiply + each.divide
+    assert flops.operations(scenario.with_law("pd")).flops < each.flops
+    # The law steps at every tenth step only.
+    assert flops.operations(scenario.with_values({"controller.rate": 100.0})).flops < each.flops
+
+
+def test_operations_grow_with_the_run():
+    scenario = ml.load("sim1")
+    row = layout.rows(Columns(scenario, None, 1), np.arange(1))[0][0].tolist()
+    once = _core.planar_operations(scenario.law, row, 1e-3, 100, 1)
+    twice = _core.planar_operations(scenario.law, row, 1e-3, 200, 1)
+    for kind in ("add", "multiply"):
+        assert 1.9 * once[kind] < twice[kind] < 2.0 * once[kind]
+    with pytest.raises(ValueError, match="no compiled law"):
+        _core.planar_operations("mine", row, 1e-3, 1, 1)
+    with pytest.raises(ValueError, match="numbers"):
+        _core.planar_operations(scenario.law, row[:-1], 1e-3, 1, 1)

@@ -163,6 +163,49 @@ def test_a_policy_flies_as_the_same_law_in_simulate():
     np.testing.assert_array_equal(x[1, 8], run["theta1"][-1])
 
 
+def flown(observe, seed, episodes=1):
+    """Observations and rewards of testbed environments under forces drawn once and for all."""
+    testbed = ml.load("exp1_1").with_values({"simulation.duration": 0.2})
+    env = TwinLiftVectorEnv(testbed, 3, draws={"plant.bar_mass": (0.3, 0.4)}, observe=observe)
+    rng = np.random.default_rng(0)
+    seen, rewards = [env.reset(seed=seed)[0]], []
+    for _ in range(20 * episodes + episodes - 1):
+        observation, reward, *_ = env.step(rng.normal(0, 2, (3, 4)))
+        seen.append(observation)
+        rewards.append(reward)
+    return env, np.array(seen), np.array(rewards)
+
+
+def test_observations_are_the_truth_or_what_is_measured():
+    env, truth, rewards = flown("truth", 1)
+    worlds = env.worlds
+    np.testing.assert_array_equal(truth[-1][:, 8:11], worlds.q[:, 4:])
+    told, measured, same_rewards = flown("measured", 1)
+    np.testing.assert_array_equal(told.worlds.q, worlds.q)
+    np.testing.assert_array_equal(measured[-1][:, 8:11], worlds.measured_q[:, 4:])
+    np.testing.assert_array_equal(measured[-1][:, :4], worlds.measured_q[:, :4] - worlds.goal)
+    np.testing.assert_array_equal(measured[-1][:, 11:], worlds.measured_q_dot[:, 4:])
+    assert not (measured == truth).any(axis=2)[1:].all()
+    # The same flights cost the same, whatever is seen of them.
+    np.testing.assert_array_equal(same_rewards, rewards)
+    with pytest.raises(ml.ScenarioError, match="observe"):
+        TwinLiftVectorEnv(scenario(), 2, observe="guessed")
+
+
+def test_noise_follows_the_seed_and_differs_between_environments_and_episodes():
+    _, first, _ = flown("measured", 3, episodes=2)
+    _, again, _ = flown("measured", 3, episodes=2)
+    _, other, _ = flown("measured", 4, episodes=2)
+    np.testing.assert_array_equal(again, first)
+    # A step after the start what was measured there arrives: a load at rest, and noise.
+    begun = np.vstack([x[k, :, 8] for x in (first, other) for k in (1, 22)])
+    assert len(np.unique(begun)) == begun.size
+    assert np.abs(begun).max() < np.radians(0.5)  # five times the noise's deviation
+    ideal = TwinLiftVectorEnv(scenario(), 2, observe="measured")
+    x, _ = ideal.reset(seed=0)
+    np.testing.assert_array_equal(x[:, 8:11], ideal.worlds.q[:, 4:])
+
+
 def test_a_mask_resets_some():
     env = environments()
     env.reset(seed=0)

@@ -3,10 +3,11 @@
 import multilift as ml
 import numpy as np
 import pytest
+from multilift import _core
 from multilift.models.planar import quantities
-from planar_runs import COMPILED, SHIPPED, UNLIKE, at_every_step, commands, coordinates
+from planar_runs import COMPILED, SHIPPED, UNLIKE, at_every_step, commands, coordinates, rates
 
-SWING_BAND, POSITION_BAND = 1.0, 0.02  # deg, m
+SWING_BAND, POSITION_BAND, REST_BAND = 1.0, 0.02, 1.0  # deg, m, deg/s
 STEP = 0.001  # s
 
 # Runs that end in other ways than by reaching their goal at rest.
@@ -49,6 +50,9 @@ def by_definition(run):
         "position_settling_time": last_time(
             run, (np.linalg.norm(vehicles - goal, axis=2) > POSITION_BAND).any(axis=1)
         ),
+        "rest_settling_time": last_time(
+            run, (np.abs(np.degrees(rates(run)[:, 4:])) > REST_BAND).any(axis=1)
+        ),
         "overshoot": max(0.0, ((vehicles - goal) * towards).max()),
         "swing_integral": np.trapezoid(swing.sum(axis=1), run.t),
         "control_effort": (commands(run)[:-1] ** 2).sum() * STEP,
@@ -88,6 +92,23 @@ def test_what_never_settles_has_no_settling_time_and_what_never_moves_has_zero()
     base, values = SPECIAL["starts at the goal"]
     settled = ml.simulate(ml.load(base).with_values(values)).metrics
     assert settled["swing_settling_time"] == settled["position_settling_time"] == 0.0
+
+
+def test_a_load_that_hangs_askew_is_at_rest_where_no_swing_or_position_settles():
+    # A goal against (17): the cables hang at 7 degrees and pull the vehicles 0.16 m together.
+    apart = {"goal.vehicle_position": [[1.2, 3.5], [3.6, 3.5]], "goal.allow_mismatch": True}
+    run = ml.simulate(ml.load("sim1").with_values({"simulation.duration": 40.0} | apart))
+    metrics = run.metrics
+    assert np.isnan([metrics["swing_settling_time"], metrics["position_settling_time"]]).all()
+    assert 0.0 < metrics["rest_settling_time"] < 40.0
+    after = run.t > metrics["rest_settling_time"]
+    assert np.degrees(np.abs(rates(run)[after, 4:])).max() <= REST_BAND
+    # Its angles are those of rest below the vehicles where they are, not where they should be.
+    hanging = _core.planar_rest_angles(
+        run.scenario.plant_values(), coordinates(run)[-1, :4].tolist()
+    )
+    assert np.degrees(np.abs(coordinates(run)[-1, 4:] - hanging)).max() < 0.1
+    assert np.degrees(np.abs(coordinates(run)[-1, 4:])).max() > 5.0
 
 
 def test_metrics_see_every_step_whatever_is_recorded():

@@ -1,16 +1,12 @@
-"""The counter-based random numbers: published answers, and the statistics of normal draws."""
-
-import math
+"""The counter-based random bits: published answers, and the statistics of their words."""
 
 import numpy as np
 import pytest
 from multilift import _core
 from scipy import stats
+from stream_statistics import assert_sound, of_correlation, of_proportion
 
-COUNT = 50000
-# Every statistic below is a fixed number, since the draws are; a sound generator exceeds this
-# level for one seed in a thousand, and the seeds were not selected.
-LEVEL = 1e-3
+COUNT = 2**15  # blocks of 4 words
 
 
 def words(text):
@@ -41,58 +37,72 @@ def test_block_is_the_published_one(counter, key, answer):
     assert list(_core.philox(words(counter), words(key))) == words(answer)
 
 
-def draws(seed, stream, count=COUNT):
-    return np.array([_core.normal_pair(seed, stream, index) for index in range(count)])
+def blocks(place, start=0, count=COUNT):
+    """Blocks as one word of counter (0 to 3) or key (4, 5) counts up, shape (count, 4)."""
+    taken = []
+    for number in range(start, start + count):
+        argument = [0] * 6
+        argument[place] = number
+        taken.append(_core.philox(argument[:4], argument[4:]))
+    return np.array(taken, dtype=np.uint32)
 
 
-@pytest.mark.parametrize(
-    ("seed", "stream", "index"),
-    [(0, 0, 0), (1, 2, 3), (2**32 + 5, 7 * 2**32 + 11, 13 * 2**32 + 17), (2**64 - 1,) * 3],
-)
-def test_normal_pair_is_box_and_mullers_of_the_block_that_seed_stream_and_index_name(
-    seed, stream, index
-):
-    def halves(number):
-        return [number % 2**32, number // 2**32]
-
-    block = _core.philox([*halves(index), *halves(stream)], halves(seed))
-    radius = math.sqrt(-2 * math.log((block[0] + 0.5) / 2**32))
-    angle = 2 * math.pi * (block[1] + 0.5) / 2**32
-    expected = (radius * math.cos(angle), radius * math.sin(angle))
-    # An angle up to 2 pi is rounded by 4 EPS, a radius up to 7 by its last place.
-    assert _core.normal_pair(seed, stream, index) == pytest.approx(expected, rel=0, abs=1e-14)
+@pytest.fixture(scope="module", params=[0, 2, 4], ids=["draws", "streams", "seeds"])
+def counted(request):
+    return blocks(request.param)
 
 
-def test_a_draw_depends_on_seed_stream_and_index_alone():
-    def once():
-        return [_core.normal_pair(3, stream, index) for stream in (8, 2) for index in (5, 1)]
-
-    first = once()
-    _core.normal_pair(99, 99, 99)
-    assert once() == first
-    assert len(set(map(tuple, first))) == 4
+def bits(block):
+    """Each bit of rows of words, shape (n, 32 words)."""
+    return np.unpackbits(np.ascontiguousarray(block).view(np.uint8), axis=1)
 
 
-@pytest.mark.parametrize(("seed", "stream"), [(0, 0), (1, 0), (0, 1), (2**40, 2**50)])
-def test_draws_are_standard_normal_and_the_two_of_a_pair_independent(seed, stream):
-    pairs = draws(seed, stream)
-    for numbers in pairs.T:
-        assert stats.kstest(numbers, "norm").pvalue > LEVEL
-        assert stats.ttest_1samp(numbers, 0).pvalue > LEVEL
-        assert stats.chi2(COUNT).sf((numbers**2).sum()) > LEVEL / 2
-        assert stats.chi2(COUNT).cdf((numbers**2).sum()) > LEVEL / 2
-    assert stats.pearsonr(*pairs.T).pvalue > LEVEL
-    assert stats.pearsonr(*(pairs**2).T).pvalue > LEVEL
+def test_words_are_uniform(counted):
+    found = []
+    for word in counted.T:
+        for shift in (0, 12, 24):  # chi-square over 256 bins of the least, middle and greatest bits
+            found.append(stats.chisquare(np.bincount((word >> shift) & 255, minlength=256)).pvalue)
+        found.append(stats.kstest((word + 0.5) / 2**32, "uniform").pvalue)
+    assert_sound(found)
 
 
-@pytest.mark.parametrize("other", [(0, 1), (1, 0), (2**32, 0), (0, 2**32)])
-def test_streams_and_seeds_are_independent(other):
-    ours, theirs = draws(0, 0).ravel(), draws(*other).ravel()
-    assert stats.pearsonr(ours, theirs).pvalue > LEVEL
-    assert stats.pearsonr(ours**2, theirs**2).pvalue > LEVEL
+def test_every_bit_is_fair_and_pairs_of_bits_are_independent(counted):
+    each = bits(counted)
+    assert_sound(of_proportion(each.sum(axis=0), len(each)))
+    same = [(each[:, k] == each[:, j]).sum() for k in range(128) for j in range(k)]
+    assert_sound(of_proportion(np.array(same), len(each)))
 
 
-def test_successive_draws_are_independent():
-    numbers = draws(0, 0)[:, 0]
-    for lag in (1, 2, 16, 256):
-        assert stats.pearsonr(numbers[lag:], numbers[:-lag]).pvalue > LEVEL
+def test_successive_blocks_are_independent(counted):
+    uniform = (counted.astype(float) + 0.5) / 2**32
+    found = [
+        of_correlation(uniform[lag:, a], uniform[:-lag, b])
+        for lag in (1, 2, 3, 16, 256, 4096)
+        for a in range(4)
+        for b in range(4)
+    ]
+    assert_sound(found)
+    # The same for bits: as many change from one block to the next as do not.
+    changed = bits(counted[1:] ^ counted[:-1])
+    assert_sound(of_proportion(changed.sum(axis=0), len(changed)))
+
+
+def test_every_input_bit_flips_half_of_the_output():
+    # Avalanche: each bit of counter and key, at 256 arguments drawn once and for all.
+    arguments = np.random.default_rng(1).integers(0, 2**32, (256, 6), dtype=np.uint64)
+    flips = np.zeros((192, 256, 128), dtype=np.uint8)
+    for n, argument in enumerate(arguments):
+        row = argument.tolist()
+        plain = np.array(_core.philox(row[:4], row[4:]), dtype=np.uint32)
+        for bit in range(192):
+            other = row.copy()
+            other[bit // 32] ^= 1 << bit % 32
+            turned = np.array(_core.philox(other[:4], other[4:]), dtype=np.uint32)
+            flips[bit, n] = bits((plain ^ turned)[None])[0]
+    assert_sound(of_proportion(flips.sum(axis=(1, 2), dtype=int), 256 * 128))  # by input bit
+    assert_sound(of_proportion(flips.sum(axis=(0, 1), dtype=int), 192 * 256))  # by output bit
+    assert_sound(of_proportion(flips.sum(axis=1, dtype=int).ravel(), 256))  # by both
+    # And as many of the 128 as tosses of a coin would: their variance is 32.
+    number = flips.sum(axis=2, dtype=int).ravel()
+    spread = ((number - 64) ** 2 / 32).sum()
+    assert_sound([2 * min(stats.chi2(len(number)).sf(spread), stats.chi2(len(number)).cdf(spread))])

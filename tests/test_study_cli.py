@@ -20,7 +20,7 @@ def test_from_the_file_to_the_report_and_on_again(tmp_path):
     write(tmp_path)
     first = multilift("study", "small.toml", "-o", "out", "--chunk", "5", cwd=tmp_path)
     assert first.returncode == 0, first.stderr
-    for words in ("energy_coupled", "simulated seconds a second", "outside the batch engine",
+    for words in ("energy_coupled", "simulated seconds a second", "outside the compiled kernel",
                   "report.html"):  # fmt: skip
         assert words in first.stdout
     folder = tmp_path / "out"

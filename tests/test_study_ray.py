@@ -32,6 +32,17 @@ def sorted_rows(folder):
     return table.sort_values(["controller", "world"], ignore_index=True)
 
 
+def nodes_alive(expected):
+    """How many nodes the head takes for alive; it hears of a death by a check from time to time."""
+    until = time.monotonic() + 60
+    while time.monotonic() < until:
+        alive = sum(node["Alive"] for node in ray.nodes())
+        if alive == expected:
+            break
+        time.sleep(0.2)
+    return alive
+
+
 def test_a_killed_node_loses_no_chunk_and_changes_no_bit(tmp_path, cluster, monkeypatch):
     monkeypatch.setattr(runner.page, "write", lambda *_: None)
     made, nodes = cluster
@@ -59,7 +70,7 @@ def test_a_killed_node_loses_no_chunk_and_changes_no_bit(tmp_path, cluster, monk
     result = runner.run(plan, tmp_path / "ray", engine="ray", chunk=10)
     killer.join()
     assert len(written) == len(set(written)) == 20
-    assert sum(node["Alive"] for node in ray.nodes()) == 2  # the head and one that is left
+    assert nodes_alive(2) == 2  # the head and one that is left
     assert result.cost.runs == 400
     runner.run(plan, tmp_path / "local", chunk=10)
     assert fingerprint(tmp_path / "ray") == fingerprint(tmp_path / "local")

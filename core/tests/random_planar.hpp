@@ -17,7 +17,7 @@ class Random {
   explicit Random(std::uint32_t seed) : seed_(seed) {}
 
   double operator()(double low, double high) {
-    return low + (high - low) * 0x1p-32 * philox({next_++, 0, 0, 0}, {seed_, 0})[0];
+    return low + (high - low) * 0x1p-32 * static_cast<double>(philox<double>(seed_, 0, next_++).w0);
   }
   template <std::size_t N>
   Numbers<N> several(double low, double high) {

@@ -40,8 +40,9 @@ void receives_what_the_definition_says(planar::Random& random, long delay) {
   // Three worlds with delays of their own beside one, and one alone.
   using R = Lanes<4>;
   const std::array<long, 4> delays{delay, 0, 3, 2 * delay};
-  DelayLine<R, Number<R>, capacity> many(delays, {R(initial)});
-  DelayLine<double, Number<double>, capacity> line({delay}, {initial});
+  // Receipts are as rare as they like: there is room for all of the capacity.
+  DelayLine<R, Number<R>, capacity> many(delays, {R(initial)}, 1, 400);
+  DelayLine<double, Number<double>, capacity> line({delay}, {initial}, 1, 400);
   std::vector<Sent> sent;
   std::size_t received = 0;  // how many of them have been taken out
   for (long step = 0; step < 400; ++step) {

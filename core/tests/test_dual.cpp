@@ -53,6 +53,15 @@ void motion_has_exact_derivatives(Random& random) {
   });
 }
 
+/// The functions that equations and actuators call, off their kinks.
+void functions_have_exact_derivatives(Random& random) {
+  check_derivatives(random.several<10>(0.5, 2.0), []<Real R>(const std::array<R, 10>& x) {
+    return std::array<R, 5>{multilift::exp(x[0] - x[1]), multilift::log(x[2]),
+                            multilift::atan(x[3] - x[4]),
+                            multilift::atan2(x[5] - R(3.0), x[6] - x[7]), multilift::sqrt(x[8])};
+  });
+}
+
 /// Where a run under a law ends, as it depends on its start.
 void runs_have_exact_derivatives(Random& random) {
   const World world = gentle_world(random);
@@ -75,6 +84,7 @@ void runs_have_exact_derivatives(Random& random) {
 int main() {
   Random random(2);
   for (int n = 0; n < 100; ++n) motion_has_exact_derivatives(random);
+  for (int n = 0; n < 100; ++n) functions_have_exact_derivatives(random);
   for (int n = 0; n < 20; ++n) runs_have_exact_derivatives(random);
   return verdict();
 }

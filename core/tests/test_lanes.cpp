@@ -83,10 +83,34 @@ void lanes_compute_a_doubles_bits(Random& random) {
   }
 }
 
+/// Draws and the functions of sensors and actuators.
+void lanes_draw_a_doubles_bits(Random& random) {
+  words_t<Lane> seeds{}, draws{};
+  std::array<Numbers<2>, width> xs;
+  for (std::size_t w = 0; w < width; ++w) {
+    seeds[w] = static_cast<std::uint64_t>(random.several<1>(0.0, 0x1p63)[0]);
+    draws[w] = static_cast<std::uint64_t>(random.several<1>(0.0, 0x1p40)[0]);
+    xs[w] = random.several<2>(-40.0, 40.0);
+  }
+  const auto x = side_by_side(xs);
+  const auto pair = normal_pair<Lane>(seeds, 5, draws);
+  const auto angle = multilift::atan2(x[0], x[1]), power = multilift::exp(x[0]);
+  const auto logarithm = multilift::log(abs(x[1]));
+  for (std::size_t w = 0; w < width; ++w) {
+    const int lane = static_cast<int>(w);
+    const auto expected = normal_pair<double>(seeds[w], 5, draws[w]);
+    CHECK(same_bits(pair[0][lane], expected[0]) && same_bits(pair[1][lane], expected[1]));
+    CHECK(same_bits(angle[lane], multilift::atan2(xs[w][0], xs[w][1])));
+    CHECK(same_bits(power[lane], multilift::exp(xs[w][0])));
+    CHECK(same_bits(logarithm[lane], multilift::log(std::fabs(xs[w][1]))));
+  }
+}
+
 }  // namespace
 
 int main() {
   Random random(1);
   for (int n = 0; n < 500; ++n) lanes_compute_a_doubles_bits(random);
+  for (int n = 0; n < 500; ++n) lanes_draw_a_doubles_bits(random);
   return verdict();
 }

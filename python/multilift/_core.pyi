@@ -18,14 +18,21 @@ def instruction_sets() -> list:
 def sincos(x: float) -> tuple:
     """Sine and cosine of x, rad."""
 
-def sincos_lanes(x: float) -> tuple:
-    """Sine and cosine of x, rad, as a lane of a SIMD register computes them."""
-
 def philox(counter: Sequence[int], key: Sequence[int]) -> list[int]:
     """One block of Philox 4x32-10."""
 
 def normal_pair(seed: int, stream: int, index: int) -> list[float]:
     """Two standard normal draws, a pure function of the arguments."""
+
+def evaluate(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], y: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    """
+    out = sqrt, sin, cos, exp, log or atan of x, or atan2(x, y), as this module computes it.
+    """
+
+def normals(seeds: Annotated[NDArray[numpy.uint64], dict(shape=(None,), order='C', device='cpu', writable=False)], stream: int, draws: Annotated[NDArray[numpy.uint64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> None:
+    """
+    Fills out, shape (seeds, draws, 2), with the normal numbers of these draws.
+    """
 
 def planar_plant_fields() -> list:
     """Fields of the planar plant's parameters."""
@@ -137,3 +144,8 @@ def spatial_laws() -> dict:
 
 def spatial_describe(n: int, quadrotors: bool) -> dict:
     """Columns, metrics and audit entries: (name, unit, meaning) each."""
+
+def planar_operations(law: str, row: Sequence[float], step: float, steps: int, control_steps: int) -> dict:
+    """
+    Operations of one run, by kind: add, multiply, divide, root, and other ones on numbers.
+    """

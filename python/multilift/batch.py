@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -40,12 +41,14 @@ class Batch:
             for the planar plant bar (y, z), theta1..3 and their rates.
         samples: trajectories, shape (count, rows, columns), NaN after a world's end; None unless
             asked for. ``scenario.quantities.columns`` names the columns.
+        kernel_seconds: wall time in the compiled kernel and in laying out its rows.
     """
 
     def __init__(self, scenario: Scenario, count: int, rows: int | None) -> None:
         self.scenario = scenario
         self.controller = scenario.law
         self.count = count
+        self.kernel_seconds = 0.0
         self._status = np.zeros(count, dtype=np.int8)
         self.culprit = np.zeros(count, dtype=np.int8)
         self.end_time = np.zeros(count)
@@ -170,11 +173,13 @@ def simulate_batch(
         for begin in range(0, len(members), CHUNK):
             worlds = members[begin : begin + CHUNK]
             part = Batch(scenario, len(worlds), steps.rows if trajectories else None)
+            begun = time.perf_counter()
             model.run_worlds(
                 kernel, columns, worlds, steps, part.arrays(),
                 threads=threads or os.cpu_count() or 1,
                 progress=None if progress is None else partial(_add, progress, finished),
             )  # fmt: skip
+            batch.kernel_seconds += time.perf_counter() - begun
             batch.fill(worlds, part)
             finished += len(worlds)
     return batch

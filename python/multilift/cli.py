@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +19,9 @@ from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
 from multilift.options import ControllerOption, ForceOption, SetOption, load_changed
 from multilift.run import Run
+
+#: When the process began, as good as: until now it has done nothing but load packages.
+_BEGUN = time.perf_counter() - time.process_time()
 
 EXIT_BAD_INPUT = 2
 EXIT_ENDED_EARLY = 3
@@ -141,7 +145,7 @@ def study(
 
     try:
         result = runner.run(plan, output, engine=engine, threads=threads, chunk=chunk, force=force,
-                            console=_err)  # fmt: skip
+                            console=_err, begun=_BEGUN)  # fmt: skip
     except KeyboardInterrupt:
         _err.print("finished chunks are kept: the same command goes on behind them")
         raise
@@ -169,7 +173,7 @@ def _print_study(result: Any, *, local: bool) -> None:
                       f"{summary.study.worlds - law.outcomes['finished']:,}")  # fmt: skip
     _out.print(table, highlight=False)
     if cost.runs:
-        outside = f"{100 * cost.outside:.1f} % of the time outside the batch engine; " * local
+        outside = f"{100 * cost.outside:.1f} % of the time outside the compiled kernel; " * local
         _out.print(
             f"\n{cost.runs:,} runs ({cost.simulated_seconds:,.4g} simulated s) in "
             f"{cost.wall_seconds:.1f} s: {cost.rate:,.4g} simulated seconds a second; {outside}a "

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Metrics without a derivative: they count integration steps, so that they stand still and jump.
-WITHOUT_DERIVATIVE = ("swing_settling_time", "position_settling_time")
+WITHOUT_DERIVATIVE = ("swing_settling_time", "position_settling_time", "rest_settling_time")
 
 _KEY = re.compile(r"(?P<key>(?P<table>[a-z_]+(?:\[\d+\])?(?:\.[a-z_]+)*)\.[a-z_]+)(?:\[\d+\])*")
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,13 +55,19 @@ class Weights:
 class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     """Many twin lifts, each to be brought to its goal with the load at rest.
 
-    One step is one control period of the scenario, over which the forces are held.
+    One step is one control period of the scenario, over which the commanded forces are held.
 
     Action, shape (4,): u1, u2, u3, u4 of the paper, N: the forces along y and z on vehicles 1 and
-    2 beyond what holds it and half of the bar. Clipped to ``single_action_space``.
+    2 beyond what holds it and half of the bar. Clipped to ``single_action_space``; then the
+    scenario's actuators do with them what they do.
 
     Observation, shape (14,): y1, z1, y2, z2 less the goal, m; their velocities, m/s; theta1,
-    theta2, theta3, rad; their rates, rad/s. The truth, without noise.
+    theta2, theta3, rad; their rates, rad/s. With ``observe="truth"`` as they are; with
+    ``observe="measured"`` as the scenario's sensors tell them, with noise, delay and sampling
+    period. The reward and the endings go by the truth either way.
+
+    Where actuators or sensors are not ideal each episode of each environment has noise of its own,
+    from a seed that the environment's stream gives.
 
     Reward: minus the period times the weighted squares of :class:`Weights` at the end of the step;
     minus ``failure`` instead in the step in which a world fails.
@@ -74,6 +80,7 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
     Attributes:
         worlds: the worlds behind the environments.
         weights: of the reward.
+        observe: "truth" or "measured".
     """
 
     def __init__(
@@ -84,13 +91,13 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         draws: Mapping[str, tuple[float, float]] | None = None,
         weights: Weights | None = None,
         force_limit: ArrayLike | None = None,
+        observe: Literal["truth", "measured"] = "truth",
         threads: int | None = None,
     ) -> None:
         """Makes the environments; call ``reset`` before the first step.
 
         Args:
-            scenario: plant, start, goal, pushes, control rate and duration; its actuators and
-                sensors must be ideal.
+            scenario: plant, start, goal, actuators, sensors, pushes, control rate and duration.
             num_envs: how many.
             draws: scenario keys, as overrides know them, to the least and greatest value; drawn
                 uniformly and anew for each episode of each environment. Environment k draws from
@@ -98,13 +105,21 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             weights: of the reward; None for the defaults.
             force_limit: greatest size of each force, N, one number or u1..u4; None for half of
                 what holds the lighter vehicle and half of the bar.
+            observe: what observations show, the "truth" or what is "measured".
             threads: None for one a processor.
 
         Raises:
-            ScenarioError: as :class:`multilift.Worlds` does, and for bounds of a draw that are the
-                wrong way round.
+            ScenarioError: as :class:`multilift.Worlds` does, for bounds of a draw that are the
+                wrong way round, and for another ``observe``.
         """
         scenario = planar_only(scenario, "TwinLiftVectorEnv")
+        if observe not in ("truth", "measured"):
+            raise ScenarioError(
+                "is nothing that can be observed",
+                where=f"{scenario.where}, TwinLiftVectorEnv", key="observe", value=observe,
+                permitted='"truth", "measured"',
+            )  # fmt: skip
+        self.observe = observe
         self.weights = weights or Weights()
         self._draws = {key: (float(low), float(high)) for key, (low, high) in (draws or {}).items()}
         for key, bounds in self._draws.items():
@@ -114,9 +129,10 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
                     where=f"{scenario.where}, draws", key=key, value=bounds,
                     permitted="(least, greatest)",
                 )  # fmt: skip
-        highest = {key: np.array([high]) for key, (_, high) in self._draws.items()}
-        Worlds(scenario, highest, count=1)  # for its checks
-        drawn = {key: np.full(num_envs, low) for key, (low, _) in self._draws.items()}
+        lowest = {key: np.array([low]) for key, (low, _) in self._draws.items()}
+        Worlds(scenario, lowest, count=1)  # for its checks
+        # The greatest values, so that what may get an imperfection has one from the start.
+        drawn = {key: np.full(num_envs, high) for key, (_, high) in self._draws.items()}
         self.worlds = Worlds(scenario, drawn, count=num_envs, threads=threads)
         if force_limit is None:
             plant = scenario.plant
@@ -179,34 +195,45 @@ class TwinLiftVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             self._begin(ended)
         failed = self.worlds.failed
         observations = self._observe()
-        rewards = np.where(failed, -self.weights.failure, -self._cost(observations, forces))
+        cost = self._cost(self._shown(self.worlds.q, self.worlds.q_dot), forces)
+        rewards = np.where(failed, -self.weights.failure, -cost)
         rewards[ended] = 0.0
         truncated = ~self.worlds.running & ~failed
         return observations, rewards, failed, truncated, self._infos()
 
     def _begin(self, mask: NDArray[np.bool_]) -> None:
-        if not self._draws:
-            self.worlds.reset(mask)
-            return
-        drawn = {key: np.full(self.num_envs, low) for key, (low, _) in self._draws.items()}
-        low, high = np.array(list(self._draws.values())).T
+        drawn: dict[str, NDArray[Any]] = {
+            key: np.full(self.num_envs, low) for key, (low, _) in self._draws.items()
+        }
+        bounds = np.array(list(self._draws.values())).reshape(-1, 2)
+        seeds = np.zeros(self.num_envs, dtype=np.int64)
         for k in np.flatnonzero(mask):
-            for key, value in zip(drawn, self._streams[k].uniform(low, high), strict=True):
+            values = self._streams[k].uniform(bounds[:, 0], bounds[:, 1])
+            for key, value in zip(drawn, values, strict=True):
                 drawn[key][k] = value
-        self.worlds.reset(mask, drawn)
+            if not self.worlds.ideal:
+                seeds[k] = self._streams[k].integers(2**53)
+        if not self.worlds.ideal:
+            drawn["simulation.seed"] = seeds
+        self.worlds.reset(mask, drawn or None)
 
     def _observe(self) -> Array:
         worlds = self.worlds
-        error = worlds.q[:, :4] - worlds.goal
+        if self.observe == "measured":
+            return self._shown(worlds.measured_q, worlds.measured_q_dot)
+        return self._shown(worlds.q, worlds.q_dot)
+
+    def _shown(self, q: Array, q_dot: Array) -> Array:
+        """Coordinates and rates as observations have them."""
         seen = np.concatenate(
-            [error, worlds.q_dot[:, :4], worlds.q[:, 4:], worlds.q_dot[:, 4:]], axis=1
+            [q[:, :4] - self.worlds.goal, q_dot[:, :4], q[:, 4:], q_dot[:, 4:]], axis=1
         )
         return np.asarray(np.clip(np.nan_to_num(seen, nan=BOUND), -BOUND, BOUND))
 
-    def _cost(self, observations: Array, forces: Array) -> Array:
+    def _cost(self, state: Array, forces: Array) -> Array:
         w = self.weights
         weights = np.repeat([w.position, w.velocity, w.angle, w.angle_rate], [4, 4, 3, 3])
-        squares = observations**2 @ weights + w.force * np.square(forces).sum(axis=1)
+        squares = state**2 @ weights + w.force * np.square(forces).sum(axis=1)
         return np.asarray(self.worlds.period * squares)
 
     def _infos(self) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from multilift import batch
+from multilift import _core, batch
 from multilift import isa as instruction_sets
 from multilift.errors import ControllerError, ScenarioError
 from multilift.models.planar import MODEL, layout
@@ -31,12 +32,22 @@ class Worlds:
 
         worlds = ml.Worlds(scenario, count=1000)
         while worlds.running.any():
-            worlds.step(law(worlds.q, worlds.q_dot))
+            worlds.step(law(worlds.measured_q, worlds.measured_q_dot))
 
-    A step holds each world's forces for one control period, ``1 / controller.rate``, with the
-    plant, integrator and pushes of ``simulate``: given the commands of the scenario's law, a world
-    goes through the same states to the last bit. The force on a vehicle is u plus the gravity share
-    of the masses that ``controller.assumed`` holds, at once and without limits.
+    A step commands each world's forces for one control period, ``1 / controller.rate``, with the
+    plant, actuators, sensors, integrator and pushes of ``simulate``: given the commands of the
+    scenario's law on what is measured, a world goes through the same states to the last bit. The
+    force commanded to a vehicle is u plus the gravity share of the masses that
+    ``controller.assumed`` holds. With ideal actuators it acts at once and without limits; otherwise
+    it goes through the scenario's limits, delay and lags.
+
+    Actuators and sensors are taken as ideal where those of every world are at construction. If one
+    world has an imperfection, all go through the simulated actuators and sensors, which give a
+    world that has none its states to round-off.
+
+    Noise follows from each world's ``simulation.seed`` and its own samples alone. Worlds that share
+    a seed, as they do unless overrides say otherwise, see the same noise, and a world that is reset
+    sees its own again.
 
     A world ends when its duration is over or an assumption breaks, and stays as it was then.
 
@@ -49,6 +60,11 @@ class Worlds:
         period: control period, s.
         q: coordinates y1, z1, y2, z2, m, theta1..3, rad; shape (count, 7).
         q_dot: their rates, shape (count, 7).
+        measured_q: the same coordinates as the sensors tell them at this control instant, with
+            noise, delay and sampling period; ``q`` itself where all is ideal; shape (count, 7).
+        measured_q_dot: their rates, likewise, shape (count, 7).
+        saturated: whether each vehicle's last command hit a limit, shape (count, 2).
+        ideal: whether actuators and sensors are.
         tension: of both cables at the end of the period, under the forces held until then; those of
             u = 0 before the first step, those that ended it after a world's end; N, shape
             (count, 2).
@@ -58,6 +74,9 @@ class Worlds:
 
     q: NDArray[np.float64]
     q_dot: NDArray[np.float64]
+    measured_q: NDArray[np.float64]
+    measured_q_dot: NDArray[np.float64]
+    saturated: NDArray[np.bool_]
     tension: NDArray[np.float64]
     t: NDArray[np.float64]
     culprit: NDArray[np.int8]
@@ -74,7 +93,7 @@ class Worlds:
         """Puts every world at its start.
 
         Args:
-            scenario: what the worlds have in common; its actuators and sensors must be ideal.
+            scenario: what the worlds have in common.
             overrides: as of :func:`multilift.simulate_batch`; keys of the clock excepted.
             count: number of worlds, where no override says.
             threads: None for one a processor.
@@ -82,32 +101,38 @@ class Worlds:
 
         Raises:
             ScenarioError: for a scenario that is not planar, for overrides that no scenario file
-                may hold, for those that would give worlds clocks of their own, and for actuators
-                or sensors that are not ideal.
+                may hold, and for those that would give worlds clocks of their own.
         """
         self.scenario = scenario = planar_only(scenario, "multilift.Worlds")
         self.period = scenario.control_period()
         self._given: dict[str, ArrayLike] = dict(batch.as_mapping(overrides) or {})
         columns = self._columns(self._given, count)
         self.count = columns.count
+        self.ideal = layout.is_ideal(columns)
         self._threads = threads or os.cpu_count() or 1
-        self._rows = layout.rows(columns, np.arange(self.count))[0]
+        self._rows, self._seeds = layout.rows(columns, np.arange(self.count))
         values = scenario.values["simulation"]
         arrays: dict[str, NDArray[Any]] = {
             "q": np.zeros((self.count, 7)),
             "q_dot": np.zeros((self.count, 7)),
+            "saturated": np.zeros((self.count, 2), dtype=bool),
             "tension": np.zeros((self.count, 2)),
             "t": np.zeros(self.count),
             "status": np.zeros(self.count, dtype=np.int8),
             "culprit": np.zeros(self.count, dtype=np.int8),
         }
+        for name in ("q", "q_dot"):
+            measured = arrays[name] if self.ideal else np.zeros((self.count, 7))
+            arrays[f"measured_{name}"] = measured
         self._core = instruction_sets.kernel(isa).Worlds(
             law=scenario.law,
             rows=self._rows,
+            seeds=self._seeds,
             pushes=layout.push_shapes(scenario),
             step=values["step"],
             steps=round(values["duration"] / values["step"]),
             control_steps=round(self.period / values["step"]),
+            ideal=self.ideal,
             **arrays,
         )
         for name, array in arrays.items():
@@ -139,7 +164,7 @@ class Worlds:
         return self._rows[:, end - 4 : end].copy()
 
     def step(self, forces: Any) -> None:
-        """Holds forces for one control period and updates the arrays.
+        """Commands forces for one control period and updates the arrays.
 
         Args:
             forces: u1, u2, u3, u4 of each world, N, shape (count, 4): a NumPy array, or one of any
@@ -175,10 +200,12 @@ class Worlds:
         Args:
             mask: which, booleans of shape (count,); None for all.
             overrides: new numbers for them, with one entry for every world; only those of the mask
-                are looked at. Keys that are not given keep what was given last.
+                are looked at. Keys that are not given keep what was given last. For noise that
+                differs from the last time, a new ``simulation.seed``.
 
         Raises:
-            ScenarioError: as on construction, or for a mask of another shape.
+            ScenarioError: as on construction, for a mask of another shape, and for actuators or
+                sensors that are not ideal where all were.
         """
         chosen = np.ones(self.count, dtype=bool) if mask is None else np.asarray(mask)
         if chosen.shape != (self.count,) or chosen.dtype != np.bool_:
@@ -190,7 +217,14 @@ class Worlds:
         which = np.flatnonzero(chosen)
         if overrides is not None and len(which) > 0:
             given = {**self._given, **overrides}
-            self._rows[which] = layout.rows(self._columns(given, self.count), which)[0]
+            columns = self._columns(given, self.count)
+            if self.ideal and not layout.is_ideal(columns):
+                raise ScenarioError(
+                    "gets actuators or sensors that are not ideal, where those of all worlds were",
+                    where=f"{self.scenario.where}, Worlds.reset",
+                    advice="give one world an imperfection when you make the Worlds",
+                )
+            self._rows[which], self._seeds[which] = layout.rows(columns, which)
             self._given = given
         self._core.reset(np.ascontiguousarray(chosen))
 
@@ -204,14 +238,25 @@ class Worlds:
                 key=own_clock[0],
                 advice="change the scenario by with_values, and make Worlds for each value",
             )
-        if not layout.is_ideal(columns):
-            raise ScenarioError(
-                "has actuators or sensors that are not ideal: worlds take the forces that act, "
-                "and tell the truth",
-                where=self.scenario.where,
-                key="actuators, sensors",
-                advice='scenario.with_values({"actuators": {}, "sensors": {}}), and model yours '
-                "around Worlds",
-            )
         layout.check_worlds(columns)
+        self._check_samples(columns)
         return columns
+
+    def _check_samples(self, columns: Columns) -> None:
+        """Refuses more samples under way than there is room for.
+
+        Worlds side by side may begin at different control instants, so that together they sample
+        as often as the common divisor of sampling and control period.
+        """
+        step = self.scenario["simulation.step"]
+        control = round(self.period / step)
+        sampling = round(self.scenario["sensors.period"] / step) or control
+        longest = round(float(columns.numbers("sensors.delay").max()) / step)
+        if longest + control > (_core.planar_delay_capacity - 2) * math.gcd(sampling, control):
+            raise ScenarioError(
+                "is too long for worlds that are reset one by one",
+                where=self.scenario.where,
+                key="sensors.delay",
+                value=longest * step,
+                advice="make sensors.period a multiple of the control period, or a part of it",
+            )

@@ -29,6 +29,7 @@ def chunks(
     study: Study,
     ranges: Sequence[tuple[int, int]],
     *,
+    keep: Callable[[Chunk], None],
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Iterator[Chunk]:
@@ -40,6 +41,7 @@ def chunks(
     Args:
         study: what to simulate.
         ranges: first world of each chunk, and the one after its last.
+        keep: told each chunk, before it is yielded.
         threads: processors that each task takes and threads it runs; 1 if None.
         progress: told of nothing: tasks run elsewhere.
 
@@ -66,7 +68,7 @@ def chunks(
         for reference in done:
             piece = running.pop(reference)
             try:
-                yield ray.get(reference)
+                made = ray.get(reference)
             except ray.exceptions.RayTaskError as error:
                 cause = error.cause
                 if isinstance(cause, MultiliftError):
@@ -81,6 +83,9 @@ def chunks(
                         "on where this one stopped"
                     ) from None
                 waiting.append(piece)
+            else:
+                keep(made)
+                yield made
 
 
 def _work(shared: tuple[Study, dict[str, str], int], start: int, stop: int) -> Chunk:
@@ -92,7 +97,7 @@ def _work(shared: tuple[Study, dict[str, str], int], start: int, stop: int) -> C
             f"machine {os.uname().nodename} has another multilift or processor: {here} instead of "
             f"{version}\n  what to do: install the same on every machine; bits may differ otherwise"
         )
-    return rows.simulate(study, start, stop, threads=threads)
+    return rows.fly(study, start, stop, threads=threads).chunk()
 
 
 def _version() -> dict[str, str]:

@@ -13,10 +13,11 @@ import numpy as np
 from multilift.plot import RC, LineStyle, line_styles
 from multilift.study import binning
 from multilift.study.binning import Bins
+from multilift.study.columns import Columns
 from multilift.study.spec import Map, Study
 from multilift.study.statistics import wilson
 from multilift.study.store import Store
-from multilift.study.summary import Summary, successes
+from multilift.study.summary import Summary
 from multilift.study.vary import Array, Vary
 
 from matplotlib import rc_context  # isort: skip - after multilift.plot, which says what is missing
@@ -43,25 +44,6 @@ class Drawing:
     png: bytes
 
 
-class Columns:
-    """A store's columns and who succeeded, each read when it is first wanted."""
-
-    def __init__(self, store: Store) -> None:
-        self.store = store
-        self.study = store.study
-        self.outcome: NDArray[np.int8] = store.column("outcome")
-        self.finished = self.outcome == 0
-        self.success, _ = successes(store, self.finished)
-
-    def drawn(self, varied: Vary) -> Array:
-        """What each world drew."""
-        return np.asarray(self.store.column(varied.name)[0])
-
-    def metric(self, name: str) -> Array:
-        """A metric, shape (laws, worlds); NaN also where a run ended early."""
-        return np.where(self.finished, self.store.column(name), np.nan)
-
-
 def draw_all(store: Store, summary: Summary) -> list[Drawing]:
     """Every figure of the report, in its order."""
     columns = Columns(store)
@@ -80,6 +62,9 @@ def style(laws: Sequence[str], law: str) -> LineStyle:
 
 
 def _png(figure: Figure) -> bytes:
+    # Laid out once; savefig would do it again, twice.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()

@@ -26,7 +26,7 @@ class Meter:
         self.runs = runs
         self.found = self.done = done
         self.under_way = 0
-        self.engine_seconds = self.simulated_seconds = 0.0
+        self.kernel_seconds = self.simulated_seconds = 0.0
         self.begin = time.perf_counter()
         self._progress = Progress(
             TextColumn("{task.description:<20}"),
@@ -57,7 +57,7 @@ class Meter:
         """A chunk is on the disk."""
         self.under_way = 0
         self.done += (chunk.stop - chunk.start) * self.laws
-        self.engine_seconds += chunk.engine_seconds
+        self.kernel_seconds += chunk.kernel_seconds
         self.simulated_seconds += chunk.simulated_seconds
         self._show()
 

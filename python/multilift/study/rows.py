@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -30,25 +29,52 @@ class Chunk:
     Attributes:
         start, stop: first world, and the one after the last.
         table: laws in the study's order, worlds ascending within each.
-        engine_seconds: wall time inside the batch engine.
+        kernel_seconds: wall time in the compiled kernel.
         simulated_seconds: simulated time of all its runs.
     """
 
     start: int
     stop: int
     table: pa.Table
-    engine_seconds: float
+    kernel_seconds: float
     simulated_seconds: float
 
 
-def simulate(
+@dataclass(frozen=True)
+class Flown:
+    """Simulated worlds whose rows are not made yet: that may be done in another thread.
+
+    Attributes:
+        study: whose worlds.
+        start: the first of them.
+        drawn: what they drew.
+        batches: what became of them, law by law.
+    """
+
+    study: Study
+    start: int
+    drawn: Draws
+    batches: tuple[Batch, ...]
+
+    def chunk(self) -> Chunk:
+        """Their rows."""
+        return Chunk(
+            self.start,
+            self.start + self.batches[0].count,
+            _table(self.study, self.start, self.drawn, list(self.batches)),
+            sum(batch.kernel_seconds for batch in self.batches),
+            float(sum(batch.end_time.sum() for batch in self.batches)),
+        )
+
+
+def fly(
     study: Study,
     start: int,
     stop: int,
     *,
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> Chunk:
+) -> Flown:
     """Simulates worlds `start` to `stop` under every law of the study.
 
     Args:
@@ -63,7 +89,6 @@ def simulate(
     """
     drawn = draw(study, start, stop)
     batches: list[Batch] = []
-    seconds = 0.0
     for k, law in enumerate(study.controllers):
         before = k * (stop - start)
 
@@ -71,7 +96,6 @@ def simulate(
             if progress is not None:
                 progress(before + done)
 
-        begin = time.perf_counter()
         try:
             batch = simulate_batch(
                 study.under(law), overrides(study, law, drawn), controller=law,
@@ -85,10 +109,8 @@ def simulate(
                 key="vary",
                 advice="narrow what varies, so that every combination is possible",
             ) from None
-        seconds += time.perf_counter() - begin
         batches.append(batch)
-    simulated = float(sum(batch.end_time.sum() for batch in batches))
-    return Chunk(start, stop, _table(study, start, drawn, batches), seconds, simulated)
+    return Flown(study, start, drawn, tuple(batches))
 
 
 def overrides(study: Study, law: str, drawn: Draws) -> dict[str, NDArray[Any]]:

@@ -33,14 +33,14 @@ class Cost:
     Attributes:
         runs: worlds times laws simulated now; `found` were there already.
         simulated_seconds: simulated time of these runs.
-        engine_seconds: wall time inside the batch engine, of all tasks together.
-        wall_seconds: from the opened folder to the finished report.
+        kernel_seconds: wall time in the compiled kernel, of all tasks together.
+        wall_seconds: from the beginning of the run, or of the command, to the finished report.
     """
 
     runs: int
     found: int
     simulated_seconds: float
-    engine_seconds: float
+    kernel_seconds: float
     wall_seconds: float
 
     @property
@@ -50,8 +50,8 @@ class Cost:
 
     @property
     def outside(self) -> float:
-        """Share of the wall time outside the batch engine; meaningful for the local engine."""
-        return max(0.0, 1.0 - self.engine_seconds / self.wall_seconds)
+        """Share of the wall time outside the compiled kernel; meaningful for the local engine."""
+        return max(0.0, 1.0 - self.kernel_seconds / self.wall_seconds)
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,7 @@ def run(
     chunk: int | None = None,
     force: bool = False,
     console: Console | None = None,
+    begun: float | None = None,
 ) -> Result:
     """Runs a study, or goes on with one that was interrupted.
 
@@ -89,6 +90,7 @@ def run(
         chunk: worlds in each part; None for what the folder has, or 8192.
         force: remove an earlier result there.
         console: where the progress goes; nowhere without it.
+        begun: when the command began, by ``time.perf_counter()``, for what it took; now if None.
 
     Raises:
         OutputError: if the folder cannot be used or written.
@@ -99,7 +101,7 @@ def run(
         raise MultiliftError(f"no engine is called {engine!r}\n  permitted: {', '.join(ENGINES)}")
     folder = Path(folder)
     laws = len(study.controllers)
-    begin = time.perf_counter()
+    begin = time.perf_counter() if begun is None else begun
     with open_store(folder, study, chunk=chunk, force=force) as store:
         missing = store.missing()
         ranges = [store.range(number) for number in missing]
@@ -112,20 +114,21 @@ def run(
                     from multilift.study.engine_ray import chunks  # noqa: PLC0415 - loads Ray
                 else:
                     from multilift.study.engine_local import chunks  # noqa: PLC0415
-                for made in chunks(study, ranges, threads=threads, progress=meter.part):
-                    store.write(made)
+                for made in chunks(
+                    study, ranges, keep=store.write, threads=threads, progress=meter.part
+                ):
                     meter.add(made)
             meter.say("summing up")
             summary = summarise(store)
             meter.say("drawing")
-            cost = Cost(runs, found, meter.simulated_seconds, meter.engine_seconds,
+            cost = Cost(runs, found, meter.simulated_seconds, meter.kernel_seconds,
                         time.perf_counter() - begin)  # fmt: skip
             page.write(store, summary)
             meter.say("done")
         about = {**summary.to_json(), "made_by": provenance.describe()}
         write_whole(folder / "summary.json", (json.dumps(about, indent=2) + "\n").encode())
         write_whole(folder / "scenario.toml", study.scenario.to_toml().encode())
-        cost = Cost(runs, found, cost.simulated_seconds, cost.engine_seconds,
+        cost = Cost(runs, found, cost.simulated_seconds, cost.kernel_seconds,
                     time.perf_counter() - begin)  # fmt: skip
         return Result(folder / "report.html", summary, cost, tuple(store.damaged))
 

@@ -14,7 +14,7 @@ struct Quaternion {
   R y{0.0};
   R z{0.0};
 
-  friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+  friend MULTILIFT_INLINE Quaternion operator*(const Quaternion& a, const Quaternion& b) {
     return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
             a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
             a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
@@ -24,19 +24,19 @@ struct Quaternion {
 
 /// The inverse rotation of a unit quaternion.
 template <class R>
-Quaternion<R> conjugate(const Quaternion<R>& q) {
+MULTILIFT_INLINE Quaternion<R> conjugate(const Quaternion<R>& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
 template <Real R>
-Quaternion<R> normalised(const Quaternion<R>& q) {
+MULTILIFT_INLINE Quaternion<R> normalised(const Quaternion<R>& q) {
   const R k = R(1.0) / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {k * q.w, k * q.x, k * q.y, k * q.z};
 }
 
 /// The rate of q at the angular rate omega, in the turning frame, rad/s.
 template <Real R>
-Quaternion<R> quaternion_rate(const Quaternion<R>& q, const Vec3<R>& omega) {
+MULTILIFT_INLINE Quaternion<R> quaternion_rate(const Quaternion<R>& q, const Vec3<R>& omega) {
   const R h(0.5);
   return {-h * (q.x * omega.x + q.y * omega.y + q.z * omega.z),
           h * (q.w * omega.x + q.y * omega.z - q.z * omega.y),
@@ -52,9 +52,11 @@ struct Rotation {
   Vec3<R> z{R(0.0), R(0.0), R(1.0)};
 
   /// From the turned frame's coordinates to the world's.
-  Vec3<R> to_world(const Vec3<R>& v) const { return v.x * x + v.y * y + v.z * z; }
+  MULTILIFT_INLINE Vec3<R> to_world(const Vec3<R>& v) const { return v.x * x + v.y * y + v.z * z; }
   /// From the world's coordinates to the turned frame's.
-  Vec3<R> to_body(const Vec3<R>& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+  MULTILIFT_INLINE Vec3<R> to_body(const Vec3<R>& v) const {
+    return {dot(x, v), dot(y, v), dot(z, v)};
+  }
 };
 
 template <Real R>

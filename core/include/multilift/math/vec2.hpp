@@ -36,6 +36,12 @@ Vec2<R> perpendicular(const Vec2<R>& a) {
   return {-a.z, a.y};
 }
 
+/// a turned by -90 degrees (from z towards y).
+template <class R>
+Vec2<R> clockwise(const Vec2<R>& a) {
+  return {a.z, -a.y};
+}
+
 /// Component by component.
 template <class R>
 Vec2<R> scale(const Vec2<R>& a, const Vec2<R>& b) {

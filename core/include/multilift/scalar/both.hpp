@@ -75,6 +75,16 @@ MULTILIFT_INLINE std::array<Vec2<R>, 2> each(const Vec2<Both<R>>& x) {
   return {Vec2<R>{x.y[0], x.z[0]}, Vec2<R>{x.y[1], x.z[1]}};
 }
 
+/// The first, and the second with the opposite sign: the paper counts the second cable's angle the
+/// other way round.
+MULTILIFT_INLINE Lanes<2> alternate(const Lanes<2>& x) {
+  return x * Lanes<2>(Lanes<2>::Vector{1.0, -1.0});
+}
+template <class R>
+MULTILIFT_INLINE Two<R> alternate(const Two<R>& x) {
+  return {x.first, -x.second};
+}
+
 /// First plus second.
 MULTILIFT_INLINE double sum(const Lanes<2>& x) { return x[0] + x[1]; }
 template <class R>
@@ -88,7 +98,7 @@ MULTILIFT_INLINE auto sum(const Vec2<B>& x) {
 
 template <class R>
 MULTILIFT_INLINE SinCos<Two<R>> sincos(const Two<R>& x) {
-  const SinCos<R> first = sincos(x.first), second = sincos(x.second);
+  SinCos<R> first = sincos(x.first), second = sincos(x.second);
   return {{first.sin, second.sin}, {first.cos, second.cos}};
 }
 

@@ -99,25 +99,6 @@ Dual<N> abs(const Dual<N>& a) {
 }
 
 template <int N>
-Dual<N> exp(const Dual<N>& a) {
-  const double e = std::exp(a.x);
-  return Dual<N>::chain(e, e, a);
-}
-
-template <int N>
-Dual<N> atan(const Dual<N>& a) {
-  return Dual<N>::chain(std::atan(a.x), 1.0 / (1.0 + a.x * a.x), a);
-}
-
-template <int N>
-Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
-  const double squared = x.x * x.x + y.x * y.x;
-  Dual<N> r(std::atan2(y.x, x.x));
-  for (std::size_t k = 0; k < N; ++k) r.d[k] = (x.x * y.d[k] - y.x * x.d[k]) / squared;
-  return r;
-}
-
-template <int N>
 Dual<N> select(bool mask, const Dual<N>& a, const Dual<N>& b) {
   return mask ? a : b;
 }

@@ -4,6 +4,10 @@
 // source serves SSE2, AVX2, AVX-512 and NEON; the instruction set is the translation unit's.
 #pragma once
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include "multilift/scalar/real.hpp"
 
 namespace multilift {
@@ -85,27 +89,27 @@ MULTILIFT_INLINE Lanes<W> abs(Lanes<W> x) {
                                                               0x7fffffffffffffffLL));
 }
 
-// Functions outside the hot loop go lane by lane, so that each lane has the bits of a double.
 template <int W>
-Lanes<W> exp(Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::exp(x.v[k]);
-  return x;
-}
-
+struct WordsOf<Lanes<W>> {
+  using type = typename VectorOf<std::uint64_t, W>::type;
+};
 template <int W>
-Lanes<W> atan(Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::atan(x.v[k]);
-  return x;
-}
-
-template <int W>
-Lanes<W> atan2(Lanes<W> y, Lanes<W> x) {
-  for (int k = 0; k < W; ++k) x.v[k] = std::atan2(y.v[k], x.v[k]);
-  return x;
+MULTILIFT_INLINE auto bits_of(Lanes<W> x) {
+  return std::bit_cast<words_t<Lanes<W>>>(x.v);
 }
 
 template <int W>
 MULTILIFT_INLINE bool any(LaneMask<W> mask) {
+  // One instruction where there is one: branches ask this a dozen times a step.
+#if defined(__AVX512DQ__)
+  if constexpr (W == 8) return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask.bits)) != 0;
+#endif
+#if defined(__AVX__)
+  if constexpr (W == 4) return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.bits)) != 0;
+#endif
+#if defined(__SSE2__)
+  if constexpr (W == 2) return _mm_movemask_pd(reinterpret_cast<__m128d>(mask.bits)) != 0;
+#endif
   long long bits = 0;
   for (int k = 0; k < W; ++k) bits |= mask.bits[k];
   return bits != 0;

@@ -5,18 +5,23 @@
 // double and one truth value per lane for lanes; branches are written as `select(mask, a, b)`.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 // For the functions of the hot loop: GCC's own estimate leaves them as calls, at a third of the
-// speed for lanes.
+// speed for lanes. What they work with locally is not declared const: GCC 12 then keeps it in
+// memory instead of registers.
 #if defined(__GNUC__) || defined(__clang__)
 #define MULTILIFT_INLINE inline __attribute__((always_inline))
+#define MULTILIFT_NOINLINE __attribute__((noinline))
 #define MULTILIFT_INLINE_LAMBDA __attribute__((always_inline))
 #else
 #define MULTILIFT_INLINE inline
+#define MULTILIFT_NOINLINE
 #define MULTILIFT_INLINE_LAMBDA
 #endif
 
@@ -25,9 +30,6 @@ namespace multilift {
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double abs(double x) { return std::fabs(x); }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
-inline double exp(double x) { return std::exp(x); }
-inline double atan(double x) { return std::atan(x); }
-inline double atan2(double y, double x) { return std::atan2(y, x); }
 inline bool any(bool mask) { return mask; }
 inline bool all(bool mask) { return mask; }
 
@@ -52,6 +54,21 @@ const R& lane(const R& x, int) {
 template <class R>
 void set_lane(R& x, int, const R& share) {
   x = share;
+}
+
+/// Unsigned integers of 64 bits, as many as a scalar carries worlds: std::uint64_t for one.
+template <class R>
+struct WordsOf {
+  using type = std::uint64_t;
+};
+template <class R>
+using words_t = typename WordsOf<R>::type;
+
+/// A double's bits, and the double that has them, for functions that take numbers apart.
+inline std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
+template <class R>
+MULTILIFT_INLINE R from_bits(const words_t<R>& bits) {
+  return std::bit_cast<R>(bits);
 }
 
 template <class R>

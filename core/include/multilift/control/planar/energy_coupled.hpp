@@ -27,15 +27,16 @@ class EnergyCoupled {
 
   EnergyCoupled(const Gains& gains, const Plant<R>& assumed, const PerAxis<R>& goal, double period)
       : k_lambda_(gains.k_lambda),
+        coupling_(swing_coupling(assumed, gains.k_lambda)),
         assumed_(assumed),
         goal_(goal),
         feedback_(gains.feedback, period) {}
 
   MULTILIFT_INLINE Command<R> step(const Measurement<R>& measured) {
-    const Swing<R> swing = swing_of(assumed_, measured.angle, measured.theta_dot);
-    return feedback_.step(unified_error(assumed_, k_lambda_, swing, measured.vehicle,
-                                        measured.vehicle_velocity, goal_),
-                          measured);
+    Swing<R> swing = swing_of(assumed_, measured.angle, measured.theta_dot);
+    return feedback_.step(
+        unified_error(coupling_, swing, measured.vehicle, measured.vehicle_velocity, goal_),
+        measured);
   }
 
   StorageGains<R> storage_gains() const { return feedback_.storage_gains(k_lambda_); }
@@ -43,6 +44,7 @@ class EnergyCoupled {
 
  private:
   R k_lambda_;
+  std::array<R, 2> coupling_;
   Plant<R> assumed_;
   PerAxis<R> goal_;
   AdaptiveFeedback<R> feedback_;

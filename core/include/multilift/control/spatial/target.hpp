@@ -23,22 +23,23 @@ struct Path {
   std::vector<Piece> pieces;  // ascending; each holds until the next one, the last one for good
   double end{0.0};            // s; the last piece stands still from here on
 
-  /// A coordinate and its first three time derivatives.
-  std::array<double, 4> at(std::size_t coordinate, double time) const {
-    if (pieces.empty()) return {0.0, 0.0, 0.0, 0.0};
+  /// A coordinate and its first four time derivatives.
+  std::array<double, 5> at(std::size_t coordinate, double time) const {
+    if (pieces.empty()) return {};
     std::size_t k = pieces.size() - 1;
     while (k > 0 && time < pieces[k].start) --k;
     const bool over = end <= time;
     const double t = (over ? end : time) - pieces[k].start;
     const Polynomial& c = pieces[k].coordinate[coordinate];
-    std::array<double, 4> value{0.0, 0.0, 0.0, 0.0};
+    std::array<double, 5> value{};
     for (std::size_t j = degree + 1; j-- > 0;) {  // Horner's rule with its derivatives
+      value[4] = value[4] * t + 4.0 * value[3];
       value[3] = value[3] * t + 3.0 * value[2];
       value[2] = value[2] * t + 2.0 * value[1];
       value[1] = value[1] * t + value[0];
       value[0] = value[0] * t + c[j];
     }
-    return over ? std::array<double, 4>{value[0], 0.0, 0.0, 0.0} : value;
+    return over ? std::array<double, 5>{value[0], 0.0, 0.0, 0.0, 0.0} : value;
   }
 };
 
@@ -70,12 +71,13 @@ struct Formation {
 /// All of it at one instant.
 template <Real R>
 struct Target {
-  Vec3<R> payload, payload_velocity, payload_acceleration, payload_jerk;  // W
-  R yaw{0.0}, yaw_rate{0.0}, yaw_acceleration{0.0};                       // rad, ...
-  SinCos<R> heading{R(0.0), R(1.0)};                                      // of the yaw
-  std::vector<Vec3<R>> vehicle, vehicle_velocity, vehicle_acceleration;   // W
-  std::vector<Vec3<R>> cable_force, cable_force_rate;                     // W, N, N/s
-  Vec3<R> below, below_rate, below_acceleration;                          // W
+  Vec3<R> payload, payload_velocity, payload_acceleration;               // W
+  Vec3<R> payload_jerk, payload_snap;                                    // W, m/s^3, m/s^4
+  R yaw{0.0}, yaw_rate{0.0}, yaw_acceleration{0.0}, yaw_jerk{0.0};       // rad, ...
+  SinCos<R> heading{R(0.0), R(1.0)};                                     // of the yaw
+  std::vector<Vec3<R>> vehicle, vehicle_velocity, vehicle_acceleration;  // W
+  std::vector<Vec3<R>> cable_force, cable_force_rate;                    // W, N, N/s
+  Vec3<R> below, below_rate, below_acceleration;                         // W
 
   explicit Target(std::size_t n)
       : vehicle(n),
@@ -86,7 +88,7 @@ struct Target {
 };
 
 template <Real R>
-Vec3<R> turned(const SinCos<R>& heading, const Vec3<R>& v) {
+MULTILIFT_INLINE Vec3<R> turned(const SinCos<R>& heading, const Vec3<R>& v) {
   return {heading.cos * v.x - heading.sin * v.y, heading.sin * v.x + heading.cos * v.y, v.z};
 }
 
@@ -99,7 +101,7 @@ class Reference {
 
   void at(double time, Target<R>& target) const {
     const R zero(0.0);
-    std::array<std::array<double, 4>, 4> way;
+    std::array<std::array<double, 5>, 4> way;
     for (std::size_t c = 0; c < 4; ++c) way[c] = path_.at(c, time);
     const auto derivative = [&](std::size_t order) {
       return Vec3<R>{R(way[0][order]), R(way[1][order]), R(way[2][order])};
@@ -108,9 +110,11 @@ class Reference {
     target.payload_velocity = derivative(1);
     target.payload_acceleration = derivative(2);
     target.payload_jerk = derivative(3);
+    target.payload_snap = derivative(4);
     target.yaw = goal_yaw_ + R(way[3][0]);
     target.yaw_rate = R(way[3][1]);
     target.yaw_acceleration = R(way[3][2]);
+    target.yaw_jerk = R(way[3][3]);
     target.heading = sincos(target.yaw);
     const auto spin = [&](const Vec3<R>& v) { return Vec3<R>{-v.y, v.x, zero}; };
     const R rate_squared = square(target.yaw_rate);

@@ -19,6 +19,7 @@ struct Loads {
   std::array<Vec2<R>, 2> vehicle_push;  // N
   Vec2<R> bar_push;                     // at the bar's centre of mass, N
   R bar_torque{0.0};                    // about x, from y towards z, N m
+  bool pushed{true};                    // where not, the pushes above are zero, and left out
 };
 
 template <Real R>
@@ -37,45 +38,52 @@ template <Real R>
 MULTILIFT_INLINE Motion<R> motion(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
                                   const Loads<R>& loads) {
   using B = Both<R>;
-  const B mass = both(p.vehicle_mass), rate = both(state.theta_dot[0], state.theta_dot[1]);
-  const Vec2<B> d = both(pose.direction), t = both(pose.tangent), arm = both(pose.arm);
-  const B bar_rate_squared = both(square(state.theta_dot[2]));
-  const Vec2<R> half_bar_weight{R(0.0), R(0.5) * p.bar_mass * p.gravity};
+  B mass = both(p.vehicle_mass);
+  Vec2<B> d = both(pose.direction), arm = both(pose.arm);
+  // Both cables' turning, counted from y towards z, and "across": d turned from z towards y.
+  B spin = alternate(both(state.theta_dot[0], state.theta_dot[1]));
+  B bar_rate_squared = both(square(state.theta_dot[2]));
 
-  // Levers about the bar's centre of mass of forces on its ends, along and across the cables.
-  const B lever = cross(arm, d), lever_across = cross(arm, t);
-  // Swing damping is a couple: this force along t on the vehicle, and against t on the bar's end.
-  const B couple = both(p.swing_damping[0], p.swing_damping[1]) * rate * both(p.inverse_length);
-  const Vec2<B> net = both(loads.u) + both(half_bar_weight) + both(loads.vehicle_push) -
-                      scale(both(p.vehicle_drag), both(pose.vehicle_velocity));
-  const B net_across = dot(t, net) + couple;
+  // Levers about the bar's centre of mass of forces on its ends, along and against across.
+  B lever = cross(arm, d), reach = dot(arm, d);
+  // Swing damping is a couple: this force across on the vehicle, and against it on the bar's end.
+  B couple = both(p.couple_rate) * spin;
+  Vec2<B> net = both(loads.u) - scale(both(p.vehicle_drag), both(pose.vehicle_velocity));
+  net.z = net.z + both(p.half_bar_weight);
+  if (loads.pushed) net = net + both(loads.vehicle_push);
+  B net_across = cross(net, d) + couple;
   // The tension if neither the bar's centre of mass nor its turning accelerated.
-  const B pull =
-      dot(d, net) + mass * (both(p.cable_length) * rate * rate + bar_rate_squared * dot(d, arm));
+  B pull = dot(net, d) + (both(p.mass_length) * (spin * spin) + mass * bar_rate_squared * reach);
 
-  const Vec2<B> mass_d = mass * d;
-  const B mass_lever = mass * lever;
-  const Symmetric3<R> inertia{p.bar_mass + sum(mass_d.y * d.y),
+  Vec2<B> mass_d = mass * d;
+  B mass_lever = mass * lever;
+  R yy = p.bar_mass + sum(mass_d.y * d.y);
+  const Symmetric3<R> inertia{yy,
                               sum(mass_d.y * d.z),
-                              p.bar_mass + sum(mass_d.z * d.z),
+                              p.twice_bar_and_vehicles - yy,  // as d is a unit vector
                               sum(mass_lever * d.y),
                               sum(mass_lever * d.z),
                               p.bar_inertia + sum(mass_lever * lever)};
-  const Vec2<R> force = sum(pull * d - couple * t) + loads.bar_push - R(2.0) * half_bar_weight;
-  const R torque = sum(pull * lever - couple * lever_across) + loads.bar_torque -
-                   p.swing_damping[2] * state.theta_dot[2];
-  const auto [ay, az, alpha] = solve_spd(inertia, {force.y, force.z, torque});
+  Vec2<B> couple_across = couple * clockwise(d);
+  Vec2<R> force = sum(pull * d - couple_across);
+  force.z = force.z - R(2.0) * p.half_bar_weight;
+  R torque = sum(pull * lever + couple * reach) - p.swing_damping[2] * state.theta_dot[2];
+  if (loads.pushed) {
+    force = force + loads.bar_push;
+    torque = torque + loads.bar_torque;
+  }
+  auto [ay, az, alpha] = solve_spd(inertia, {force.y, force.z, torque});
 
-  const Vec2<R> acceleration{ay, az};
-  const B tension = pull - mass * (dot(d, both(acceleration)) + both(alpha) * lever);
+  Vec2<B> acceleration{both(ay), both(az)};
+  B tension = pull - (dot(mass_d, acceleration) + both(alpha) * mass_lever);
   // Across the cable, the acceleration of the bar's end less the vehicle's.
-  const B theta_ddot =
-      both(p.inverse_length) * (dot(t, both(acceleration)) + both(alpha) * lever_across -
-                                bar_rate_squared * dot(t, arm) - both(p.inverse_mass) * net_across);
-  return {acceleration,
+  B apart = cross(acceleration, d) - (both(alpha) * reach + bar_rate_squared * lever) -
+            both(p.inverse_mass) * net_across;
+  B theta_ddot = alternate(both(p.inverse_length) * apart);
+  return {{ay, az},
           {theta_ddot[0], theta_ddot[1], alpha},
           each<R>(tension),
-          each<R>(tension * d - couple * t)};
+          each<R>(tension * d - couple_across)};
 }
 
 }  // namespace multilift::planar

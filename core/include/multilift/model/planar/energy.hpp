@@ -36,8 +36,8 @@ struct Swing {
 template <Real R>
 MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const std::array<SinCos<R>, 3>& angle,
                                    const std::array<R, 3>& theta_dot) {
-  const R l1 = p.cable_length[0], l2 = p.cable_length[1];
-  const R twice_l3 = R(2.0) * p.bar_half_thickness;
+  R l1 = p.cable_length[0], l2 = p.cable_length[1];
+  R twice_l3 = R(2.0) * p.bar_half_thickness;
   const auto& [s1, c1] = angle[0];
   const auto& [s2, c2] = angle[1];
   const auto& [s3, c3] = angle[2];
@@ -48,11 +48,24 @@ MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const std::array<SinCos<R>
            l1 * s1 * theta_dot[0] + l2 * s2 * theta_dot[1] + twice_l3 * s3 * theta_dot[2]}};
 }
 
+/// The same from bar and vehicles, where these are known: twice the bar less the vehicles. How far
+/// it is raised is left to the angles, since the energies' least value hangs on it being exact.
+template <Real R>
+MULTILIFT_INLINE Swing<R> swing_of(const Plant<R>& p, const State<R>& state, const Pose<R>& pose) {
+  const auto& [first, second, bar] = pose.angle;
+  const R one(1.0);
+  R raised = p.cable_length[0] * (one - first.cos) + p.cable_length[1] * (one - second.cos) +
+             R(2.0) * p.bar_half_thickness * (one - bar.cos);
+  R aside = (state.bar.y - pose.vehicle[0].y) + (state.bar.y - pose.vehicle[1].y);
+  return {{aside, raised},
+          (state.bar_velocity - pose.vehicle_velocity[0]) +
+              (state.bar_velocity - pose.vehicle_velocity[1])};
+}
+
 /// E of (18), J, plus the bar's rotational energy.
 template <Real R>
-MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state,
-                                     const Pose<R>& pose) {
-  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
+                                     const Swing<R>& swing) {
   R twice_kinetic = p.bar_mass * dot(state.bar_velocity, state.bar_velocity) +
                     p.bar_inertia * square(state.theta_dot[2]);
   for (std::size_t i = 0; i < 2; ++i)
@@ -63,61 +76,38 @@ MULTILIFT_INLINE R mechanical_energy(const Plant<R>& p, const State<R>& state,
 /// E_k of (46), J; the bar's rotational energy enters with weight 1 + k_lambda kappa.
 template <Real R>
 MULTILIFT_INLINE R shaped_energy(const Plant<R>& p, const R& k_lambda, const State<R>& state,
-                                 const Pose<R>& pose) {
-  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
+                                 const Pose<R>& pose, const Swing<R>& swing) {
   // 2 (1 + m3/4m1 + m3/4m2) = m3 kappa / 2
-  return mechanical_energy(p, state, pose) +
+  return mechanical_energy(p, state, pose, swing) +
          R(0.5) * k_lambda *
              (dot(swing.rate, swing.rate) +
               p.bar_mass * p.kappa * p.gravity * swing.displacement.z +
               p.kappa * p.bar_inertia * square(state.theta_dot[2]));
 }
 
-/// The unified error (48) and its rate at the true state, and the law (55) they give.
+/// The unified error (48) and its rate.
 template <Real R>
 struct UnifiedError {
   std::array<Vec2<R>, 2> eps;      // m
   std::array<Vec2<R>, 2> eps_dot;  // m/s
 };
 
+/// k_lambda/m_i, by which (47) leans each vehicle after the swing.
 template <Real R>
-MULTILIFT_INLINE UnifiedError<R> unified_error(const Plant<R>& p, const R& k_lambda,
+std::array<R, 2> swing_coupling(const Plant<R>& p, const R& k_lambda) {
+  return {k_lambda * p.inverse_mass[0], k_lambda * p.inverse_mass[1]};
+}
+
+/// `coupling` is k_lambda/m_i.
+template <Real R>
+MULTILIFT_INLINE UnifiedError<R> unified_error(const std::array<R, 2>& coupling,
                                                const Swing<R>& swing,
                                                const std::array<Vec2<R>, 2>& vehicle,
                                                const std::array<Vec2<R>, 2>& vehicle_velocity,
                                                const std::array<Vec2<R>, 2>& goal) {
   // eta_i = -(k_lambda/m_i) swing, (47)
-  const Both<R> coupling = both(k_lambda) * both(p.inverse_mass);
-  return {each<R>(both(vehicle) - both(goal) - coupling * both(swing.displacement)),
-          each<R>(both(vehicle_velocity) - coupling * both(swing.rate))};
-}
-
-/// The last term of (49): half of the estimation error weighed by the inverse of Gamma, J.
-template <Real R>
-R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
-                    const std::array<Vec2<R>, 2>& d_hat) {
-  R sum(0.0);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Vec2<R> error = p.vehicle_drag[i] - d_hat[i];
-    sum += dot(gains.inverse_gamma[i], scale(error, error));
-  }
-  return R(0.5) * sum;
-}
-
-/// The storage function (49), J.
-template <Real R>
-MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& gains,
-                                    const State<R>& state, const Pose<R>& pose,
-                                    const std::array<Vec2<R>, 2>& goal,
-                                    const std::array<Vec2<R>, 2>& d_hat) {
-  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
-  const UnifiedError<R> error =
-      unified_error(p, gains.k_lambda, swing, pose.vehicle, pose.vehicle_velocity, goal);
-  R twice_spring(0.0);
-  for (std::size_t i = 0; i < 2; ++i)
-    twice_spring += dot(gains.k_p[i], scale(error.eps[i], error.eps[i]));
-  return shaped_energy(p, gains.k_lambda, state, pose) + R(0.5) * twice_spring +
-         estimation_energy(p, gains, d_hat);
+  return {each<R>(both(vehicle) - both(goal) - both(coupling) * both(swing.displacement)),
+          each<R>(both(vehicle_velocity) - both(coupling) * both(swing.rate))};
 }
 
 /// What changes the storage function, W; integrated over time, J.
@@ -156,42 +146,90 @@ struct Powers {
   R total() const { return dissipation + internal + push + actuation + adaptation; }
 };
 
+/// What energies and powers share at one state.
 template <Real R>
-MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains,
-                                     const State<R>& state, const Pose<R>& pose,
-                                     const Loads<R>& loads, const Motion<R>& motion,
-                                     const std::array<Vec2<R>, 2>& goal,
-                                     const std::array<Vec2<R>, 2>& d_hat) {
-  const Swing<R> swing = swing_of(p, pose.angle, state.theta_dot);
-  const UnifiedError<R> error =
-      unified_error(p, gains.k_lambda, swing, pose.vehicle, pose.vehicle_velocity, goal);
-  const R coupling = gains.k_lambda * p.kappa;
-  const R weight = R(1.0) + coupling;
-  R damping(0.0);
-  for (std::size_t k = 0; k < 3; ++k) damping += p.swing_damping[k] * square(state.theta_dot[k]);
+struct Formation {
+  Swing<R> swing;
+  UnifiedError<R> error;
+};
 
-  using B = Both<R>;
-  const Vec2<B> eps = both(error.eps), eps_dot = both(error.eps_dot);
-  const Vec2<B> velocity = both(pose.vehicle_velocity);
-  const Vec2<B> compensation = scale(both(d_hat), velocity);
-  const B braking = dot(eps_dot, scale(both(gains.k_d), eps_dot));
+/// The storage function (49) of a law on a plant and the powers that change it, with the products
+/// of gains and masses found once.
+template <Real R>
+class Storage {
+ public:
+  Storage(const Plant<R>& p, const StorageGains<R>& gains, const std::array<Vec2<R>, 2>& goal)
+      : gains_(gains),
+        goal_(goal),
+        coupling_(swing_coupling(p, gains.k_lambda)),
+        bar_coupling_(R(2.0) * gains.k_lambda * p.inverse_bar_mass),
+        weight_(R(1.0) + gains.k_lambda * p.kappa),
+        half_coupling_(R(0.5) * gains.k_lambda * p.kappa),
+        half_asymmetry_(R(0.5) * gains.k_lambda * (p.inverse_mass[0] - p.inverse_mass[1])) {
+    for (std::size_t k = 0; k < 3; ++k) swing_damping_[k] = weight_ * p.swing_damping[k];
+  }
 
-  Powers<R> w;
-  w.dissipation = -sum(braking) - weight * damping;
-  // u less the law's, of which -K_d eps_dot is the braking.
-  w.actuation =
-      sum(dot(eps_dot, both(loads.u) + scale(both(gains.k_p), eps) - compensation) + braking);
-  w.adaptation = sum(dot(eps_dot, compensation - scale(both(p.vehicle_drag), velocity)));
-  w.push = dot(loads.bar_push, state.bar_velocity) +
-           R(2.0) * gains.k_lambda * p.inverse_bar_mass * dot(swing.rate, loads.bar_push) +
-           weight * loads.bar_torque * state.theta_dot[2] +
-           sum(dot(eps_dot, both(loads.vehicle_push)));
-  const Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
-  const Vec2<R> deformation = pose.vehicle_velocity[0] - pose.vehicle_velocity[1];
-  const R mass_asymmetry = p.inverse_mass[0] - p.inverse_mass[1];
-  w.internal = R(0.5) * dot(difference,
-                            coupling * deformation + gains.k_lambda * mass_asymmetry * swing.rate);
-  return w;
-}
+  MULTILIFT_INLINE Formation<R> formation(const Plant<R>& p, const State<R>& state,
+                                          const Pose<R>& pose) const {
+    Swing<R> swing = swing_of(p, state, pose);
+    return {swing, unified_error(coupling_, swing, pose.vehicle, pose.vehicle_velocity, goal_)};
+  }
+
+  /// The last term of (49): half of the estimation error weighed by the inverse of Gamma, J.
+  MULTILIFT_INLINE R estimation_energy(const Plant<R>& p,
+                                       const std::array<Vec2<R>, 2>& d_hat) const {
+    R sum(0.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      Vec2<R> error = p.vehicle_drag[i] - d_hat[i];
+      sum += dot(gains_.inverse_gamma[i], scale(error, error));
+    }
+    return R(0.5) * sum;
+  }
+
+  /// (49) without its last term, J.
+  MULTILIFT_INLINE R motion_energy(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
+                                   const Formation<R>& formation) const {
+    Vec2<Both<R>> eps = both(formation.error.eps);
+    return shaped_energy(p, gains_.k_lambda, state, pose, formation.swing) +
+           R(0.5) * sum(dot(both(gains_.k_p), scale(eps, eps)));
+  }
+
+  MULTILIFT_INLINE Powers<R> powers(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
+                                    const Formation<R>& formation, const Loads<R>& loads,
+                                    const Motion<R>& motion,
+                                    const std::array<Vec2<R>, 2>& d_hat) const {
+    const Swing<R>& swing = formation.swing;
+    using B = Both<R>;
+    Vec2<B> eps = both(formation.error.eps), eps_dot = both(formation.error.eps_dot);
+    Vec2<B> velocity = both(pose.vehicle_velocity);
+    Vec2<B> compensation = scale(both(d_hat), velocity);
+    B braking = dot(eps_dot, scale(both(gains_.k_d), eps_dot));
+    R damping(0.0);
+    for (std::size_t k = 0; k < 3; ++k) damping += swing_damping_[k] * square(state.theta_dot[k]);
+
+    Powers<R> w;
+    w.dissipation = -(sum(braking) + damping);
+    // u less the law's, of which -K_d eps_dot is the braking.
+    w.actuation =
+        sum(dot(eps_dot, both(loads.u) + scale(both(gains_.k_p), eps) - compensation) + braking);
+    w.adaptation = sum(dot(eps_dot, compensation - scale(both(p.vehicle_drag), velocity)));
+    if (loads.pushed)
+      w.push = dot(loads.bar_push, state.bar_velocity) +
+               bar_coupling_ * dot(swing.rate, loads.bar_push) +
+               weight_ * loads.bar_torque * state.theta_dot[2] +
+               sum(dot(eps_dot, both(loads.vehicle_push)));
+    Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
+    Vec2<R> deformation = pose.vehicle_velocity[0] - pose.vehicle_velocity[1];
+    w.internal = dot(difference, half_coupling_ * deformation + half_asymmetry_ * swing.rate);
+    return w;
+  }
+
+ private:
+  StorageGains<R> gains_;
+  std::array<Vec2<R>, 2> goal_;
+  std::array<R, 2> coupling_;
+  R bar_coupling_, weight_, half_coupling_, half_asymmetry_;
+  std::array<R, 3> swing_damping_;
+};
 
 }  // namespace multilift::planar

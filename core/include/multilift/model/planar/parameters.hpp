@@ -41,20 +41,30 @@ struct Parameters {
   }
 };
 
-/// The parameters with what the equations divide by, found once.
+/// The parameters with what the equations make of them alone, found once.
 template <Real R>
 struct Plant : Parameters<R> {
   std::array<R, 2> inverse_mass;    // of the vehicles, 1/kg
   std::array<R, 2> inverse_length;  // of the cables, 1/m
+  std::array<R, 2> mass_length;     // vehicle's mass times cable's length, kg m
+  std::array<R, 2> couple_rate;     // swing damping over cable length, N s
   R inverse_bar_mass;               // 1/kg
   R kappa;                          // 4/m3 + 1/m1 + 1/m2 of (23), 1/kg
+  R half_bar_length;                // m
+  R half_bar_weight;                // N
+  R twice_bar_and_vehicles;         // 2 m3 + m1 + m2, kg
 
   explicit Plant(const Parameters<R>& p)
       : Parameters<R>(p),
         inverse_mass{R(1.0) / p.vehicle_mass[0], R(1.0) / p.vehicle_mass[1]},
         inverse_length{R(1.0) / p.cable_length[0], R(1.0) / p.cable_length[1]},
+        mass_length{p.vehicle_mass[0] * p.cable_length[0], p.vehicle_mass[1] * p.cable_length[1]},
+        couple_rate{p.swing_damping[0] * inverse_length[0], p.swing_damping[1] * inverse_length[1]},
         inverse_bar_mass(R(1.0) / p.bar_mass),
-        kappa(R(4.0) * inverse_bar_mass + inverse_mass[0] + inverse_mass[1]) {}
+        kappa(R(4.0) * inverse_bar_mass + inverse_mass[0] + inverse_mass[1]),
+        half_bar_length(R(0.5) * p.bar_length),
+        half_bar_weight(R(0.5) * p.bar_mass * p.gravity),
+        twice_bar_and_vehicles(R(2.0) * p.bar_mass + p.vehicle_mass[0] + p.vehicle_mass[1]) {}
 
   /// Force that holds vehicle i and its half of the bar against gravity, N.
   R gravity_share(std::size_t i) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "multilift/math/atan.hpp"
 #include "multilift/math/dense.hpp"
 #include "multilift/model/planar/state.hpp"
 
@@ -58,9 +59,9 @@ inline bool solve_rest(const Hanging<double>& load, std::array<double, 5>& x) {
   const auto& [l0, l1, l2, l3, apart] = load;
   const Hanging<D> differentiated(load);
 
-  const double tilt = apart.y != 0.0 ? std::atan2(apart.z, apart.y) : 0.0;
-  const double lean =
-      std::asin(std::clamp((apart.y - l0 * std::cos(tilt)) / (l1 + l2), -0.99, 0.99));
+  const double tilt = apart.y != 0.0 ? atan2(apart.z, apart.y) : 0.0;
+  const double sine = std::clamp((apart.y - l0 * sincos(tilt).cos) / (l1 + l2), -0.99, 0.99);
+  const double lean = atan2(sine, sqrt((1.0 - sine) * (1.0 + sine)));
   for (const auto& start :
        {std::array<double, 3>{0.0, 0.0, 0.0}, {lean, lean, tilt}, {lean, lean, 0.5 * tilt}}) {
     x = {start[0], start[1], start[2], 0.0, 0.0};

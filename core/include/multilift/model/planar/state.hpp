@@ -113,20 +113,22 @@ struct Pose {
 
 template <Real R>
 MULTILIFT_INLINE Pose<R> pose_of(const Plant<R>& p, const State<R>& state) {
-  const auto [s3, c3] = sincos(state.theta[2]);
-  const Vec2<R> along_bar = R(0.5) * p.bar_length * Vec2<R>{c3, s3};
-  const Vec2<R> up_to_line = p.bar_half_thickness * Vec2<R>{-s3, c3};
+  auto [s3, c3] = sincos(state.theta[2]);
+  Vec2<R> along_bar = p.half_bar_length * Vec2<R>{c3, s3};
+  Vec2<R> up_to_line = p.bar_half_thickness * Vec2<R>{-s3, c3};
 
   using B = Both<R>;
-  const B length = both(p.cable_length);
-  const B side = both(R(1.0), R(-1.0));  // the paper counts theta2 the other way round
-  const auto [s, c] = sincos(both(state.theta[0], state.theta[1]));
-  const Vec2<B> direction{-side * s, c}, tangent{side * c, s};
-  const Vec2<B> arm = both(up_to_line) - side * both(along_bar);
-  const Vec2<B> vehicle = both(state.bar) + arm + length * direction;
-  const Vec2<B> vehicle_velocity = both(state.bar_velocity) +
-                                   both(state.theta_dot[2]) * perpendicular(arm) -
-                                   length * both(state.theta_dot[0], state.theta_dot[1]) * tangent;
+  auto [s, c] = sincos(both(state.theta[0], state.theta[1]));
+  // Both cables' turning, counted from y towards z.
+  B spin = alternate(both(state.theta_dot[0], state.theta_dot[1]));
+  Vec2<B> direction{-alternate(s), c}, tangent{alternate(c), s};
+  Vec2<B> arm{both(up_to_line.y - along_bar.y, up_to_line.y + along_bar.y),
+              both(up_to_line.z - along_bar.z, up_to_line.z + along_bar.z)};
+  Vec2<B> cable = both(p.cable_length) * direction;
+  Vec2<B> vehicle = both(state.bar) + arm + cable;
+  Vec2<B> vehicle_velocity = both(state.bar_velocity) +
+                             both(state.theta_dot[2]) * perpendicular(arm) +
+                             spin * perpendicular(cable);
   return {{SinCos<R>{s[0], c[0]}, SinCos<R>{s[1], c[1]}, SinCos<R>{s3, c3}},
           each<R>(direction),
           each<R>(tangent),

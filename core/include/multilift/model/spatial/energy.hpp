@@ -54,7 +54,7 @@ struct Powers {
     v(Field{"impact", "J", Range::any, "lost or gained where cables are pulled taut"}, self.impact);
   }
 
-  void add(const R& k, const Powers& w) {
+  MULTILIFT_INLINE void add(const R& k, const Powers& w) {
     dissipation += k * w.dissipation;
     internal += k * w.internal;
     cables += k * w.cables;
@@ -122,8 +122,8 @@ MULTILIFT_INLINE Displacement<R> displacement_of(const State<R, V>& x, const Tar
 
 /// The part of the storage function that the drag estimates make, J.
 template <Real R>
-R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
-                    const std::vector<Vec3<R>>& d_hat) {
+MULTILIFT_INLINE R estimation_energy(const Plant<R>& p, const StorageGains<R>& gains,
+                                     const std::vector<Vec3<R>>& d_hat) {
   R twice(0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     const Vec3<R> error = p.vehicle_drag[i] - d_hat[i];

@@ -33,6 +33,9 @@ struct Ground {
 
 /// Where friction turns from viscous to Coulomb's, m/s; small beside any motion that matters.
 inline constexpr double friction_speed = 0.02;
+/// Friction slows a body at most at this rate, 1/s, so that steps of up to 2 ms follow it: in hard
+/// landings, which press many times a body's weight, it turns viscous at a higher speed instead.
+inline constexpr double friction_rate_max = 1000.0;
 
 /// The floor's force on one point of a body of a given weight, W, N: a critically damped spring up,
 /// and friction against the slip, both only while the point is below the floor.
@@ -45,8 +48,10 @@ MULTILIFT_INLINE Vec3<R> contact_force(const Ground<R>& ground, const R& weight,
   const R rate = sqrt(gravity / ground.sink);  // of the undamped spring, rad/s
   const R normal =
       touching * weight * max(depth / ground.sink - R(2.0) * velocity.z * rate / gravity, zero);
+  const R viscous_below = max(
+      R(friction_speed), R(1.0 / friction_rate_max) * ground.friction * gravity * normal / weight);
   const R slip =
-      sqrt(velocity.x * velocity.x + velocity.y * velocity.y + R(friction_speed * friction_speed));
+      sqrt(velocity.x * velocity.x + velocity.y * velocity.y + viscous_below * viscous_below);
   const R grip = ground.friction * normal / slip;
   return {-grip * velocity.x, -grip * velocity.y, normal};
 }

@@ -11,6 +11,8 @@
 #include <numbers>
 
 #include "multilift/control/planar/measurement.hpp"
+#include "multilift/math/atan.hpp"
+#include "multilift/math/exp.hpp"
 #include "multilift/sim/delay_line.hpp"
 #include "multilift/sim/steps.hpp"
 
@@ -91,6 +93,8 @@ Command<R> command_of(const Plant<R>& p, const ThrustAttitude<R>& t) {
 template <Real R>
 class IdealActuators {
  public:
+  static constexpr bool ideal = true;
+
   IdealActuators(const Plant<R>& assumed, const Plant<R>& actual)
       : surplus_{assumed.gravity_share(0) - actual.gravity_share(0),
                  assumed.gravity_share(1) - actual.gravity_share(1)} {}
@@ -99,6 +103,7 @@ class IdealActuators {
     for (std::size_t i = 0; i < 2; ++i) u_[i] = {u[i].y, u[i].z + surplus_[i]};
   }
   void begin_step(long) {}
+  void keep(const IdealActuators&, const mask_t<R>&, long) {}
   const Command<R>& at_start() const { return u_; }
   const Command<R>& at_middle() const { return u_; }
   const Command<R>& at_end() const { return u_; }
@@ -112,6 +117,8 @@ class IdealActuators {
 template <Real R>
 class TestbedActuators {
  public:
+  static constexpr bool ideal = false;
+
   /// At the start the vehicles hover under the gravity share that the law reckons with.
   TestbedActuators(const ActuatorParameters<R>& limits, const Plant<R>& assumed,
                    const Plant<R>& actual, double step)
@@ -123,7 +130,10 @@ class TestbedActuators {
         actual_(hover(assumed)),
         slope_max_(tangent(limits.tilt_max)),
         over_step_(decay(step)),
-        over_half_step_(decay(0.5 * step)) {}
+        over_half_step_(decay(0.5 * step)),
+        start_(command_of(actual, actual_)),
+        middle_(start_),
+        end_(start_) {}
 
   /// Rotors do not pull down, and where the tilt is at its limit the vertical part of the force is
   /// kept and the sideways part cut, as autopilots do; then the thrust is cut to its limits.
@@ -158,6 +168,16 @@ class TestbedActuators {
     start_ = command_of(plant_, actual_);
     middle_ = command_of(plant_, approach(over_half_step_));
     end_ = command_of(plant_, approach(over_step_));
+  }
+
+  /// Takes over at `step` the worlds of `mask` as they are in other actuators of equal parameters
+  /// there. The other worlds hover.
+  void keep(const TestbedActuators& other, const mask_t<R>& mask, long step) {
+    const auto take = [&](R& mine, const R& its) { mine = select(mask, its, mine); };
+    line_.keep(other.line_, mask, step);
+    target_.visit_scalars(other.target_, take);
+    actual_.visit_scalars(other.actual_, take);
+    for (std::size_t i = 0; i < 2; ++i) saturated_[i] = mask & other.saturated_[i];
   }
 
   const Command<R>& at_start() const { return start_; }

@@ -25,14 +25,17 @@ template <Real R>
 MULTILIFT_INLINE Loads<R> loads_at(const std::type_identity_t<R>& time, Stage stage,
                                    const std::array<Vec2<R>, 2>& applied,
                                    const std::vector<Push<R>>& pushes) {
-  Loads<R> loads{applied, {}, {}, R(0.0)};
+  Loads<R> loads{applied, {}, {}, R(0.0), !pushes.empty()};
   for (const Push<R>& push : pushes) {
-    const R height = push.profile.at(time, stage);
+    R height = push.profile.at(time, stage);
+    Vec2<R> force = height * push.force;
     if (push.body == Body::bar) {
-      loads.bar_push += height * push.force;
+      loads.bar_push += force;
       loads.bar_torque += height * push.torque;
+    } else if (push.body == Body::vehicle_1) {  // no index, which would keep loads in memory
+      loads.vehicle_push[0] += force;
     } else {
-      loads.vehicle_push[push.body == Body::vehicle_1 ? 0 : 1] += height * push.force;
+      loads.vehicle_push[1] += force;
     }
   }
   return loads;

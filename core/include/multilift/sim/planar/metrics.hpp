@@ -1,10 +1,10 @@
 // The result of a planar run in numbers, gathered while it runs. This is their one definition.
 #pragma once
 
-#include <cmath>
 #include <numbers>
 
 #include "multilift/control/planar/measurement.hpp"
+#include "multilift/math/atan.hpp"
 #include "multilift/model/planar/energy.hpp"
 
 namespace multilift::planar {
@@ -12,6 +12,8 @@ namespace multilift::planar {
 /// Thresholds of the settling times.
 inline constexpr double swing_band = std::numbers::pi / 180.0;  // 1 degree, rad
 inline constexpr double position_band = 0.02;                   // m
+// A swing of about half a degree turns as fast where cables are as long as the paper's.
+inline constexpr double rest_band = std::numbers::pi / 180.0;  // 1 degree a second, rad/s
 /// A vehicle moves along an axis if its goal is farther than this from its start.
 inline constexpr double least_travel = 1e-6;  // m
 
@@ -47,8 +49,10 @@ class Metrics {
   MULTILIFT_INLINE void update(const Instant<R>& now, double step) {
     const R time(now.time);
     R swing_sum(0.0);
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k) {
       peak_swing_[k] = max(peak_swing_[k], abs(now.state.theta[k]));
+      last_turning_ = select(R(rest_band) < abs(now.state.theta_dot[k]), time, last_turning_);
+    }
     for (std::size_t k = 0; k < 2; ++k) {
       const R size = abs(now.state.theta[k]);
       swing_sum += size;
@@ -97,6 +101,10 @@ class Metrics {
             "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end "
             "or if the run ended early"},
       R(settled(last_far_)));
+    v(Field{"rest_settling_time", "s", Range::any,
+            "last time an angle turns faster than 1 degree a second, at whatever angles the load "
+            "then hangs; empty if still at the end or if the run ended early"},
+      R(settled(last_turning_)));
     v(Field{"overshoot", "m", Range::any,
             "greatest travel past the goal, over vehicles and the axes along which they move"},
       overshoot_);
@@ -126,6 +134,7 @@ class Metrics {
     for (std::size_t i = 0; i < 3; ++i) take(one.peak_swing_[i], peak_swing_[i]);
     take(one.last_swing_, last_swing_);
     take(one.last_far_, last_far_);
+    take(one.last_turning_, last_turning_);
     take(one.overshoot_, overshoot_);
     take(one.swing_integral_, swing_integral_);
     take(one.effort_, effort_);
@@ -155,7 +164,8 @@ class Metrics {
   std::array<Vec2<R>, 2> goal_;
   std::array<Vec2<R>, 2> towards_;  // the goal along each axis: +1, -1, or 0 for no travel
   std::array<R, 3> peak_swing_{R(0.0), R(0.0), R(0.0)};
-  R last_swing_{0.0}, last_far_{0.0}, overshoot_{0.0}, swing_integral_{0.0}, effort_{0.0};
+  R last_swing_{0.0}, last_far_{0.0}, last_turning_{0.0}, overshoot_{0.0}, swing_integral_{0.0},
+      effort_{0.0};
   R peak_thrust_squared_{0.0}, peak_slope_{0.0}, min_tension_{unlimited};
   R least_storage_{unlimited}, storage_rise_{0.0};
   double previous_step_{0.0}, last_time_{0.0};

@@ -67,6 +67,43 @@ MULTILIFT_INLINE Verdict<R> judge(const State<R>& state, const Motion<R>& motion
   return verdict;
 }
 
+// The two below happen rarely. They are calls that are given copies, so that in the loop, which
+// they would otherwise reach into, everything may stay in registers.
+
+template <Real R, class Record>
+MULTILIFT_NOINLINE void record_sample(Record& record, mask_t<R> whose, const Plant<R>& plant,
+                                      double time, State<R> state, Pose<R> pose, Motion<R> now,
+                                      Command<R> commanded, Command<R> applied, R storage,
+                                      std::array<Vec2<R>, 2> d_hat, Powers<R> powers) {
+  const Instant<R> instant{time, state, pose, now, commanded, applied, storage};
+  R energy = mechanical_energy(plant, state, pose, swing_of(plant, state, pose));
+  record(Sample<R>{instant, plant, d_hat, powers, energy}, whose);
+}
+
+/// Writes the outcomes of the worlds that end now.
+template <bool with_audit, Real R>
+MULTILIFT_NOINLINE void conclude(Outcomes<R>& outcomes, mask_t<R> ending, Verdict<R> verdict,
+                                 double time, State<R> state, Pose<R> pose, Motion<R> now,
+                                 Command<R> commanded, Command<R> applied, R storage,
+                                 Metrics<R> metrics, Audit<R> audit) {
+  const Metrics<R> metrics_before = metrics;
+  const Audit<R> audit_before = audit;
+  metrics.update({time, state, pose, now, commanded, applied, storage}, 0.0);
+  if constexpr (with_audit) audit.compare(storage);
+  for (int i = 0; i < lanes_of<R>; ++i) {
+    if (!lane(ending, i)) continue;
+    auto& outcome = outcomes[static_cast<std::size_t>(i)];
+    std::tie(outcome.status, outcome.culprit) = verdict.world(i);
+    outcome.end_time = time;
+    outcome.state = state.world(i);
+    // A state without meaning belongs neither to the metrics nor to the audit.
+    const bool diverged = outcome.status == Status::diverged;
+    outcome.metrics = (diverged ? metrics_before : metrics).world(i);
+    outcome.audit = (diverged ? audit_before : audit).world(i);
+    if (outcome.status != Status::finished) outcome.metrics.cut_short();
+  }
+}
+
 /// Runs from `state` to the end of the timing; each world of a batch only to its first broken
 /// assumption. `record` is called with a Sample and the worlds still alive every record_steps, and
 /// once more with every world that ends. Nothing is allocated on the way.
@@ -75,25 +112,26 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
                     Law& law, Actuators& actuators, Sensors& sensors,
                     const std::vector<Push<R>>& pushes, const Timing& timing, Record&& record) {
   const double h = timing.step;
-  const StorageGains<R> gains = law.storage_gains();
+  const Storage<R> storage_function(plant, law.storage_gains(), goal);
   std::array<Vec2<R>, 2> d_hat = law.d_hat();
+  R estimation = storage_function.estimation_energy(plant, d_hat);
   Command<R> commanded{};
-  Pose<R> pose = pose_of(plant, state);
-  Metrics<R> metrics(plant, pose.vehicle, goal);
+  Metrics<R> metrics(plant, pose_of(plant, state).vehicle, goal);
   Audit<R> audit;
   Outcomes<R> outcomes;
   mask_t<R> alive = R(0.0) < R(1.0);
-  if constexpr (with_audit) audit.begin(storage_function(plant, gains, state, pose, goal, d_hat));
 
   for (long k = 0;; ++k) {
     const double time = h * static_cast<double>(k);
+    Pose<R> pose = pose_of(plant, state);
     sensors.observe(k, state, pose);
     if (k % timing.control_steps == 0) {
-      const std::array<Vec2<R>, 2> next_d_hat = law.d_hat();
-      if constexpr (with_audit)
-        audit.add_adaptation(estimation_energy(plant, gains, next_d_hat) -
-                             estimation_energy(plant, gains, d_hat));
-      d_hat = next_d_hat;
+      d_hat = law.d_hat();
+      if constexpr (with_audit) {
+        R next = storage_function.estimation_energy(plant, d_hat);
+        audit.add_adaptation(next - estimation);
+        estimation = next;
+      }
       Measurement<R> measured = sensors.read(k, state, pose);
       measured.time = time;
       measured.saturated = actuators.saturated();
@@ -103,72 +141,51 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     actuators.begin_step(k);
 
     // What holds at this instant.
-    const Loads<R> loads = loads_at(time, Stage::start, actuators.at_start(), pushes);
-    const Motion<R> now = motion(plant, state, pose, loads);
+    Loads<R> loads = loads_at(time, Stage::start, actuators.at_start(), pushes);
+    Motion<R> now = motion(plant, state, pose, loads);
     Powers<R> powers;
     R storage(0.0);
     if constexpr (with_audit) {
-      powers = powers_of(plant, gains, state, pose, loads, now, goal, d_hat);
-      storage = storage_function(plant, gains, state, pose, goal, d_hat);
+      Formation<R> formation = storage_function.formation(plant, state, pose);
+      powers = storage_function.powers(plant, state, pose, formation, loads, now, d_hat);
+      storage = storage_function.motion_energy(plant, state, pose, formation) + estimation;
+      if (k == 0) audit.begin(storage);
     }
-    const Instant<R> instant{time, state, pose, now, commanded, actuators.at_start(), storage};
-    const auto sample = [&] {
-      return Sample<R>{instant, plant, d_hat, powers, mechanical_energy(plant, state, pose)};
-    };
-    const Verdict<R> verdict = judge(state, now);
-    const bool last = k == timing.steps;
-    const mask_t<R> ending =
-        alive & (verdict.any_cause() | mask_t<R>(R(0.0) < R(last ? 1.0 : 0.0)));
+    Verdict<R> verdict = judge(state, now);
+    mask_t<R> last = R(0.0) < R(k == timing.steps ? 1.0 : 0.0);
+    mask_t<R> ending = alive & (verdict.any_cause() | last);
     if (any(ending)) {
-      record(sample(), ending);
-      for (int i = 0; i < lanes_of<R>; ++i) {
-        if (!lane(ending, i)) continue;
-        auto& outcome = outcomes[static_cast<std::size_t>(i)];
-        std::tie(outcome.status, outcome.culprit) = verdict.world(i);
-        outcome.end_time = time;
-        outcome.state = state.world(i);
-        // A state without meaning belongs neither to the metrics nor to the audit.
-        Metrics<R> final_metrics = metrics;
-        Audit<R> final_audit = audit;
-        if (outcome.status != Status::diverged) {
-          final_metrics.update(instant, 0.0);
-          if constexpr (with_audit) final_audit.compare(storage);
-        }
-        if (outcome.status != Status::finished) final_metrics.cut_short();
-        outcome.metrics = final_metrics.world(i);
-        outcome.audit = final_audit.world(i);
-      }
+      record_sample<R>(record, ending, plant, time, state, pose, now, commanded,
+                       actuators.at_start(), storage, d_hat, powers);
+      conclude<with_audit, R>(outcomes, ending, verdict, time, state, pose, now, commanded,
+                              actuators.at_start(), storage, metrics, audit);
       alive = alive & !ending;
       if (!any(alive)) return outcomes;
     }
     if constexpr (with_audit) audit.compare(storage);
-    metrics.update(instant, h);
-    if (k % timing.record_steps == 0) record(sample(), alive);
+    metrics.update({time, state, pose, now, commanded, actuators.at_start(), storage}, h);
+    if (k % timing.record_steps == 0)
+      record_sample<R>(record, alive, plant, time, state, pose, now, commanded,
+                       actuators.at_start(), storage, d_hat, powers);
 
     // What leads to the next one.
-    Powers<R> work = R(h / 6.0) * powers;
+    Powers<R> work = powers;
     const auto rate_at = [&](Stage stage, const State<R>& x) MULTILIFT_INLINE_LAMBDA {
       const bool middle = stage == Stage::middle;
-      const Loads<R> stage_loads =
-          loads_at(time + (middle ? 0.5 * h : h), stage,
-                   middle ? actuators.at_middle() : actuators.at_end(), pushes);
-      const Pose<R> stage_pose = pose_of(plant, x);
-      const Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
-      if constexpr (with_audit)
-        work = work + R(middle ? h / 3.0 : h / 6.0) * powers_of(plant, gains, x, stage_pose,
-                                                                stage_loads, stage_motion, goal,
-                                                                d_hat);
+      Loads<R> stage_loads = loads_at(time + (middle ? 0.5 * h : h), stage,
+                                      middle ? actuators.at_middle() : actuators.at_end(), pushes);
+      Pose<R> stage_pose = pose_of(plant, x);
+      Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
+      if constexpr (with_audit) {
+        Formation<R> formation = storage_function.formation(plant, x, stage_pose);
+        Powers<R> then = storage_function.powers(plant, x, stage_pose, formation, stage_loads,
+                                                 stage_motion, d_hat);
+        work = work + R(middle ? 2.0 : 1.0) * then;
+      }
       return stage_motion.rate(x);
     };
-    // One world runs faster with a copy of this code for each stage; worlds side by side, whose
-    // code is longer, with one copy for all.
-    if constexpr (lanes_of<R> == 1)
-      state = rk4_step(state, now.rate(state), h, rate_at);
-    else
-      state = rk4_step(state, now.rate(state), h,
-                       [&](Stage stage, const State<R>& x) { return rate_at(stage, x); });
-    if constexpr (with_audit) audit.add(work);
-    pose = pose_of(plant, state);
+    state = rk4_step(state, now.rate(state), h, rate_at);
+    if constexpr (with_audit) audit.add(R(h / 6.0) * work);
   }
 }
 

@@ -4,11 +4,12 @@
 // system: samples at their own rate, white Gaussian noise on each value, a delay.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <type_traits>
 
 #include "multilift/control/planar/measurement.hpp"
-#include "multilift/math/philox.hpp"
+#include "multilift/math/normal.hpp"
 #include "multilift/sim/delay_line.hpp"
 
 namespace multilift::planar {
@@ -59,6 +60,8 @@ template <Real R>
 class IdealSensors {
  public:
   void observe(long, const State<R>&, const Pose<R>&) {}
+  void observe(long, const R&, const State<R>&, const Pose<R>&) {}
+  void keep(const IdealSensors&, const mask_t<R>&, long) {}
   Measurement<R> read(long, const State<R>& state, const Pose<R>& pose) {
     return truth(state, pose);
   }
@@ -75,13 +78,53 @@ class TestbedSensors {
       : parameters_(parameters),
         every_(value(lane(parameters.period, 0)) > 0.0 ? steps_of(parameters.period, step)[0]
                                                        : control_steps),
-        seeds_(seeds),
-        line_(steps_of(parameters.delay, step), truth(state, pose)) {}
+        divisor_(std::gcd(every_, control_steps)),
+        seeds_(seed_words<R>(seeds)),
+        line_(steps_of(parameters.delay, step), truth(state, pose), divisor_, control_steps),
+        latest_(truth(state, pose)) {}
 
+  /// At every integration step, `step` since the start of all worlds.
   void observe(long step, const State<R>& state, const Pose<R>& pose) {
     if (step % every_ != 0) return;
+    line_.send(step, sample(words_t<R>{} + static_cast<std::uint64_t>(step / every_), state, pose));
+  }
+
+  /// The same where each world began at a control instant of its own: `clock` counts for all of
+  /// them, `steps` for each since its start.
+  void observe(long clock, const R& steps, const State<R>& state, const Pose<R>& pose) {
+    if (clock % divisor_ != 0) return;
+    words_t<R> draws{};
+    mask_t<R> due{};
+    for (int k = 0; k < lanes_of<R>; ++k) {
+      const auto own = static_cast<long>(value(lane(steps, k)));
+      const auto draw = static_cast<std::uint64_t>(own / every_);
+      if constexpr (lanes_of<R> == 1)
+        draws = draw;
+      else
+        draws[k] = draw;
+      set_lane(due, k, own % every_ == 0);
+    }
+    if (!any(due)) return;
+    // To a world that takes no sample its last one goes once more, which changes nothing there.
+    latest_.visit_scalars(sample(draws, state, pose),
+                          [&](R& mine, const R& its) { mine = select(due, its, mine); });
+    line_.send(clock, latest_);
+  }
+
+  /// Takes over at `clock` the worlds of `mask` as they are in other sensors of equal parameters
+  /// there. The other worlds have measured nothing.
+  void keep(const TestbedSensors& other, const mask_t<R>& mask, long clock) {
+    line_.keep(other.line_, mask, clock);
+    latest_.visit_scalars(other.latest_,
+                          [&](R& mine, const R& its) { mine = select(mask, its, mine); });
+  }
+
+  Measurement<R> read(long step, const State<R>&, const Pose<R>&) { return line_.receive(step); }
+
+ private:
+  /// The truth under each world's noise of these draws.
+  Measurement<R> sample(const words_t<R>& draw, const State<R>& state, const Pose<R>& pose) const {
     Measurement<R> measured = truth(state, pose);
-    const auto draw = static_cast<std::uint64_t>(step / every_);
     std::uint64_t stream = 0;
     R unused(0.0);
     // Each pair of values keeps its own stream, whichever noises are on.
@@ -97,26 +140,25 @@ class TestbedSensors {
          draw);
     blur(measured.theta_dot[2], unused, parameters_.angle_rate_noise, stream++, draw);
     measured.angle = sincos_each(measured.theta);
-    line_.send(step, measured);
+    return measured;
   }
 
-  Measurement<R> read(long step, const State<R>&, const Pose<R>&) { return line_.receive(step); }
-
- private:
-  void blur(R& a, R& b, const R& deviation, std::uint64_t stream, std::uint64_t draw) const {
+  void blur(R& a, R& b, const R& deviation, std::uint64_t stream, const words_t<R>& draw) const {
     if (!any(R(0.0) < deviation)) return;
-    for (int k = 0; k < lanes_of<R>; ++k) {
-      const auto scale = lane(deviation, k);
-      const auto [na, nb] = normal_pair(seeds_[static_cast<std::size_t>(k)], stream, draw);
-      set_lane(a, k, lane(a, k) + scale * na);
-      set_lane(b, k, lane(b, k) + scale * nb);
-    }
+    const auto [na, nb] = normal_pair<Drawn>(seeds_, stream, draw);
+    a = a + deviation * R(na);
+    b = b + deviation * R(nb);
   }
+
+  /// Draws depend on no number of a scenario, and so have no derivatives.
+  using Drawn = std::conditional_t<lanes_of<R> == 1, double, R>;
 
   SensorParameters<R> parameters_;
-  long every_;
-  Seeds seeds_;
+  long every_;    // steps between two samples of a world
+  long divisor_;  // steps that those of worlds which began at different control instants are apart
+  words_t<R> seeds_{};
   DelayLine<R, Measurement<R>> line_;
+  Measurement<R> latest_;
 };
 
 }  // namespace multilift::planar

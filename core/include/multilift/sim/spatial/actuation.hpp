@@ -8,8 +8,8 @@
 #include <cstdint>
 
 #include "multilift/control/spatial/autopilot.hpp"
-#include "multilift/math/philox.hpp"
-#include "multilift/sim/delay_line.hpp"
+#include "multilift/math/normal.hpp"
+#include "multilift/sim/lossy_line.hpp"
 #include "multilift/sim/steps.hpp"
 
 namespace multilift::spatial {
@@ -75,12 +75,14 @@ class Transmission {
   using Seeds = std::array<std::uint64_t, static_cast<std::size_t>(lanes_of<R>)>;
 
   Transmission(const LinkParameters<R>& link, const LimitParameters<R>& limits, double step,
-               const Seeds& seeds, const ForceCommand<R>& start)
+               long control_steps, const Seeds& seeds, const ForceCommand<R>& start)
       : link_(link),
         limits_(limits),
-        seeds_(seeds),
+        seeds_(seed_words<R>(seeds)),
         jitter_(steps_of(link.jitter, step)),
-        line_(steps_of(link.delay, step), start) {
+        line_(steps_of(link.delay, step), start,
+              room_under_way(longest_of(steps_of(link.delay, step)) + longest_of(jitter_),
+                             control_steps)) {
     for (const R& tilt : limits.tilt_max) {
       const auto [s, c] = sincos(tilt);
       slope_max_.push_back(s / max(c, R(1e-12)));
@@ -117,23 +119,23 @@ class Transmission {
 
   StepsOf<R> fate(std::uint64_t draw) const {
     StepsOf<R> late{};
+    if (longest_of(jitter_) == 0 && !any(R(0.0) < link_.loss)) return late;
+    const auto [u, v] = uniform_pair<R>(seeds_, stream, words_t<R>{} + draw);
     for (int k = 0; k < lanes_of<R>; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      const double loss = value(lane(link_.loss, k));
-      if (loss <= 0.0 && jitter_[i] == 0) continue;
-      const auto [u, v] = uniform_pair(seeds_[i], stream, draw);
-      late[i] = u < loss ? DelayLine<R, ForceCommand<R>>::lost
-                         : static_cast<long>(v * static_cast<double>(jitter_[i] + 1));
+      late[i] = value(lane(u, k)) < value(lane(link_.loss, k))
+                    ? LossyLine<R, ForceCommand<R>>::lost
+                    : static_cast<long>(value(lane(v, k)) * static_cast<double>(jitter_[i] + 1));
     }
     return late;
   }
 
   LinkParameters<R> link_;
   LimitParameters<R> limits_;
-  Seeds seeds_;
+  words_t<R> seeds_;
   StepsOf<R> jitter_;
   std::vector<R> slope_max_;
-  DelayLine<R, ForceCommand<R>> line_;
+  LossyLine<R, ForceCommand<R>> line_;
 };
 
 /// What drives ideal vehicles: the force itself.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "multilift/control/spatial/target.hpp"
 #include "multilift/model/spatial/dynamics.hpp"

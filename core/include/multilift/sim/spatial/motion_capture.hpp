@@ -8,8 +8,8 @@
 #include <cstdint>
 
 #include "multilift/control/spatial/law.hpp"
-#include "multilift/math/philox.hpp"
-#include "multilift/sim/delay_line.hpp"
+#include "multilift/math/normal.hpp"
+#include "multilift/sim/lossy_line.hpp"
 #include "multilift/sim/steps.hpp"
 
 namespace multilift::spatial {
@@ -82,14 +82,16 @@ class MotionCapture {
       : p_(p),
         step_(step),
         every_(value(lane(p.period, 0)) > 0.0 ? steps_of(p.period, step)[0] : control_steps),
-        seeds_(seeds),
+        seeds_(seed_words<R>(seeds)),
         sample_(start),
-        line_(steps_of(p.delay, step), start) {}
+        line_(steps_of(p.delay, step), start,
+              room_under_way(longest_of(steps_of(p.delay, step)) + control_steps, every_)) {}
 
   template <class V>
   void observe(long step, const State<R, V>& x) {
     if (step % every_ != 0) return;
-    const double time = step_ * static_cast<double>(step);
+    // Half a step on, so that rounding moves no edge to the next sample.
+    const double time = step_ * (static_cast<double>(step) + 0.5);
     const auto within = [&](const R& start, const R& duration) {
       return (start <= R(time)) & (R(time) < start + duration);
     };
@@ -112,11 +114,9 @@ class MotionCapture {
   /// Adds noise to both of a pair. Each pair keeps its own stream, whichever noises are on.
   void blur(R& a, R& b, const R& da, const R& db, std::uint64_t stream, std::uint64_t draw) const {
     if (!any(R(0.0) < da + db)) return;
-    for (int k = 0; k < lanes_of<R>; ++k) {
-      const auto [na, nb] = normal_pair(seeds_[static_cast<std::size_t>(k)], stream, draw);
-      set_lane(a, k, lane(a, k) + lane(da, k) * na);
-      set_lane(b, k, lane(b, k) + lane(db, k) * nb);
-    }
+    const auto [na, nb] = normal_pair<R>(seeds_, stream, words_t<R>{} + draw);
+    a += da * na;
+    b += db * nb;
   }
   void blur(Vec3<R>& a, Vec3<R>& b, const R& da, const R& db, std::uint64_t stream,
             std::uint64_t draw) const {
@@ -150,21 +150,21 @@ class MotionCapture {
 
   StepsOf<R> losses(std::uint64_t draw) const {
     StepsOf<R> late{};
-    for (int k = 0; k < lanes_of<R>; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double part = value(lane(p_.dropout, k));
-      if (part > 0.0 && uniform_pair(seeds_[i], loss_stream, draw)[0] < part)
-        late[i] = DelayLine<R, Measurement<R>>::lost;
-    }
+    if (!any(R(0.0) < p_.dropout)) return late;
+    const auto [u, unused] = uniform_pair<R>(seeds_, loss_stream, words_t<R>{} + draw);
+    static_cast<void>(unused);
+    for (int k = 0; k < lanes_of<R>; ++k)
+      if (value(lane(u, k)) < value(lane(p_.dropout, k)))
+        late[static_cast<std::size_t>(k)] = LossyLine<R, Measurement<R>>::lost;
     return late;
   }
 
   MotionCaptureParameters<R> p_;
   double step_;
   long every_;
-  Seeds seeds_;
+  words_t<R> seeds_;
   Measurement<R> sample_;
-  DelayLine<R, Measurement<R>> line_;
+  LossyLine<R, Measurement<R>> line_;
 };
 
 }  // namespace multilift::spatial

@@ -87,7 +87,8 @@ class Rollout {
       command_.force[i].z += s_.assumed.vehicle_mass[i] * s_.assumed.gravity;
     }
     command_.yaw = targets_[0].yaw;
-    transmission_.emplace(s_.link, s_.limits, s_.timing.step, s_.seeds, command_);
+    transmission_.emplace(s_.link, s_.limits, s_.timing.step, s_.timing.control_steps, s_.seeds,
+                          command_);
     if (s_.motion_capture) {
       tell_truth(x_, measured_);
       capture_.emplace(*s_.motion_capture, s_.timing.control_steps, s_.timing.step, s_.seeds,
@@ -106,11 +107,11 @@ class Rollout {
     audit_.begin(x_, targets_[0], law_.drag_estimate());
     for (long k = 0;; ++k) {
       const double time = h * static_cast<double>(k);
-      if (k > 0) std::swap(targets_[0], targets_[2]);
+      if (k > 0 && !s_.reference.stands()) std::swap(targets_[0], targets_[2]);
       control(k, time);
       actuate(k);
       outside_.wind = wind_.at(k);
-      add_pushes(s_.pushes, R(time), Stage::start, outside_);
+      if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time), Stage::start, outside_);
       const Instant<R>& now = stepper_.observe(x_, input_, outside_);
 
       const Sample<R, V> sample{time,
@@ -190,17 +191,17 @@ class Rollout {
   }
 
   void advance(double time, double h) {
-    if (!s_.reference.stands()) {
+    if (s_.reference.stands()) {
+      audit_.next_step({&targets_[0], &targets_[0], &targets_[0]});
+    } else {
       s_.reference.at(time + 0.5 * h, targets_[1]);
       s_.reference.at(time + h, targets_[2]);
-    } else {
-      targets_[2] = targets_[0];
+      audit_.next_step({&targets_[0], &targets_[1], &targets_[2]});
     }
-    audit_.next_step({&targets_[0], &targets_[1], &targets_[2]});
     stepper_.step(
         x_, input_, h,
         [&](const R& since, Stage stage) -> const Surroundings<R>& {
-          add_pushes(s_.pushes, R(time) + since, stage, outside_);
+          if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time) + since, stage, outside_);
           return outside_;
         },
         audit_);

@@ -20,7 +20,8 @@ inline constexpr int event_halvings = 20;
 inline constexpr double contact_tolerance = 1e-7;
 /// Slower rebounds of a cable pulled taut are none, m/s.
 inline constexpr double least_rebound = 0.02;
-/// A slack cable at its full length that shortens no faster than this may pull again, m/s.
+/// A slack cable at its full length that changes it no faster than this may pull again, m/s. One
+/// that stretches faster is on its way into a jerk, which takes an impulse.
 inline constexpr double grazing_speed = 1e-5;
 /// More events within one step wait for its end.
 inline constexpr int most_events = 24;
@@ -58,12 +59,14 @@ class Stepper {
         impulse_(n),
         target_(n) {}
 
-  /// Decides from the lengths at x which rigid cables start taut.
+  /// Decides at x which rigid cables start taut: those at full length, or beyond, that do not
+  /// stretch.
   void begin(const X& x) {
     if constexpr (!Dynamics::Cables::rigid) return;
     dynamics_.lay_cables(x, now_);
     for (std::size_t i = 0; i < x.size(); ++i)
-      taut_[i].is = rest_length(i) - R(contact_tolerance) <= now_.cable[i].length;
+      taut_[i].is = (rest_length(i) - R(contact_tolerance) <= now_.cable[i].length) &
+                    (now_.cable[i].stretch_rate <= R(grazing_speed));
   }
 
   /// Cuts cable i in the worlds of `mask`.
@@ -78,7 +81,7 @@ class Stepper {
     dynamics_.evaluate(x, input, outside, taut_, now_);
     if constexpr (Dynamics::Cables::rigid) {
       for (Mask<R>& mask : candidate_) mask.is = R(0.0) < R(1.0);
-      settle(x);
+      settle(x, R(0.0) < R(1.0));
     }
     return now_;
   }
@@ -91,21 +94,23 @@ class Stepper {
     R left(h), done(0.0);
     if constexpr (Dynamics::Cables::rigid) {
       for (int event = 0; event < most_events; ++event) {
+        // Worlds whose step is over wait for those that have events still.
+        const mask_t<R> going = R(0.0) < left;
+        if (!any(going)) return;
         runge_kutta(x, input, done, left, outside_at, ledger);
-        const mask_t<R> breach = breach_at(trial_);
-        if (!any(breach)) break;
+        const mask_t<R> breach = going & breach_at(trial_);
+        if (!any(breach)) return accept(x, going, ledger);
         const R piece = time_of_event(x, input, done, left, breach, outside_at, ledger);
-        accept(x, ledger);
+        accept(x, going, ledger);
         change(x, breach, ledger);
         done += piece;
         left -= piece;
         dynamics_.evaluate(x, input, outside_at(done, Stage::start), taut_, now_);
-        settle(x);
-        if (!any(R(0.0) < left)) return;
+        settle(x, breach);
       }
     }
     runge_kutta(x, input, done, left, outside_at, ledger);
-    accept(x, ledger);
+    accept(x, R(0.0) < left, ledger);
   }
 
   const Masks<R>& taut() const { return taut_; }
@@ -140,11 +145,14 @@ class Stepper {
         sum_, k_);
   }
 
-  /// What was tried becomes the state.
+  /// What was tried becomes the state of the worlds of `going`. The others keep theirs to the bit.
   template <class Ledger>
-  MULTILIFT_INLINE void accept(X& x, Ledger&& ledger) {
-    std::swap(x, trial_);
-    normalise(x);
+  MULTILIFT_INLINE void accept(X& x, const mask_t<R>& going, Ledger&& ledger) {
+    normalise(trial_);
+    if (all(going))
+      std::swap(x, trial_);
+    else
+      zip([&](R& now, const R& next) { now = select(going, next, now); }, x, trial_);
     ledger.book();
   }
 
@@ -222,12 +230,12 @@ class Stepper {
       for (std::size_t i = 0; i < taut_.size(); ++i)
         impulse_[i] = plant.vehicle_mass[i] * (now_.cable[i].stretch_rate - target_[i]);
       jump = solve_cables(plant, now_.cable, candidate_, {}, {}, impulse_);
-      if (!drop_most_pushing(impulse_, candidate_)) break;
+      if (!drop_most_pushing(impulse_, candidate_, where)) break;
     }
     ledger.restart();
     ledger.before_jump(x);
-    x.payload.velocity += jump.first;
-    x.payload.rate += select<R>(plant.turns, jump.second, {});
+    x.payload.velocity += select<R>(where, jump.first, {});
+    x.payload.rate += select<R>(where & plant.turns, jump.second, {});
     for (std::size_t i = 0; i < taut_.size(); ++i) {
       const R after = select(candidate_[i].is, target_[i], now_.cable[i].stretch_rate);
       events_.energy_lost += R(0.5) * impulse_[i] * (now_.cable[i].stretch_rate + after);
@@ -239,32 +247,34 @@ class Stepper {
     ledger.after_jump(x);
   }
 
-  /// Which cables pull at the instant evaluated in now_: of those of candidate_ that are slack at
-  /// their full length, with the taut ones, all that do not push, the most pushing ones leaving
-  /// first. Only cables that just went slack are no candidates, lest round-off undo it.
-  void settle(const X& x) {
+  /// Which cables pull, in the worlds of `where`, at the instant evaluated in now_: of those of
+  /// candidate_ that are slack at their full length, with the taut ones, all that do not push, the
+  /// most pushing ones leaving first. Only cables that just went slack are no candidates, lest
+  /// round-off undo it.
+  void settle(const X& x, const mask_t<R>& where) {
     mask_t<R> admitted = R(0.0) < R(0.0);
     for (std::size_t i = 0; i < taut_.size(); ++i) {
       const Cable<R>& c = now_.cable[i];
-      const mask_t<R> again = candidate_[i].is & whole_[i].is & !taut_[i].is &
+      const mask_t<R> again = where & candidate_[i].is & whole_[i].is & !taut_[i].is &
                               (rest_length(i) - R(contact_tolerance) <= c.length) &
-                              (R(-grazing_speed) <= c.stretch_rate);
+                              (abs(c.stretch_rate) <= R(grazing_speed));
       taut_[i].is = taut_[i].is | again;
       admitted = admitted | again;
     }
     if (any(admitted)) dynamics_.evaluate_tensions(x, taut_, now_);
     for (std::size_t turn = 0; turn < taut_.size(); ++turn) {
-      if (!drop_most_pushing(now_.motion.tension, taut_)) return;
+      if (!drop_most_pushing(now_.motion.tension, taut_, where)) return;
       dynamics_.evaluate_tensions(x, taut_, now_);
     }
   }
 
-  /// Takes out of `who`, in each world, the entry with the least pull, if that is negative.
-  static bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who) {
+  /// Takes out of `who`, in each world of `where`, the entry with the least pull, if that is
+  /// negative.
+  static bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who, const mask_t<R>& where) {
     const R zero(0.0);
     R worst(0.0);
     for (const R& x : pull) worst = min(worst, x);
-    const mask_t<R> some = worst < zero;
+    const mask_t<R> some = where & (worst < zero);
     if (!any(some)) return false;
     for (std::size_t i = 0; i < who.size(); ++i)
       who[i].is = who[i].is & !(some & (pull[i] <= worst));

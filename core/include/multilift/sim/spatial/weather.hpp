@@ -6,7 +6,7 @@
 #pragma once
 
 #include "multilift/fields.hpp"
-#include "multilift/math/philox.hpp"
+#include "multilift/math/normal.hpp"
 #include "multilift/math/vec3.hpp"
 
 namespace multilift::spatial {
@@ -75,15 +75,21 @@ class Wind {
     const double long_scale = height / std::pow(shape, 1.2) * foot;
     const std::array<double, 3> scale{long_scale, long_scale, height * foot};
     const std::array<double, 3> sigma{side, side, up};
-    for (std::size_t a = 0; a < 3; ++a)
-      gust.axis[a] = {std::exp(-step * speed / scale[a]), sigma[a], 0.0, 0.0};
+    for (std::size_t a = 0; a < 3; ++a) {
+      // The wind blew before the run began: x and y start as they are at any other time, their
+      // variances 1/2 and 1/4 and their covariance 1/4 (x's is 1 along the wind, which lacks y).
+      const auto [n0, n1] = normal_pair<double>(seeds_[static_cast<std::size_t>(k)], stream + 2, a);
+      const double x = (a == 0 ? 1.0 : std::numbers::sqrt2 / 2.0) * n0;
+      const double y = 0.5 * x + std::numbers::sqrt2 / 4.0 * n1;
+      gust.axis[a] = {std::exp(-step * speed / scale[a]), sigma[a], x, y};
+    }
   }
 
   void advance(int k, std::uint64_t draw) {
     const auto i = static_cast<std::size_t>(k);
     Gust& gust = gusts_[i];
-    const auto [n0, n1] = normal_pair(seeds_[i], stream, draw);
-    const auto [n2, unused] = normal_pair(seeds_[i], stream + 1, draw);
+    const auto [n0, n1] = normal_pair<double>(seeds_[i], stream, draw);
+    const auto [n2, unused] = normal_pair<double>(seeds_[i], stream + 1, draw);
     static_cast<void>(unused);
     const std::array<double, 3> noise{n0, n1, n2};
     std::array<double, 3> out{};
