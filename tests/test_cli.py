@@ -16,7 +16,16 @@ def multilift(*arguments, cwd=None):
 def test_help_names_every_command_and_the_exit_codes():
     shown = multilift("--help")
     assert shown.returncode == 0
-    for word in ("run", "reproduce", "check", "scenarios", "bench", "Exit codes", "completion"):
+    for word in (
+        "run",
+        "view",
+        "reproduce",
+        "check",
+        "scenarios",
+        "bench",
+        "Exit codes",
+        "completion",
+    ):
         assert word in shown.stdout
     assert "Examples" in multilift("run", "--help").stdout
 
