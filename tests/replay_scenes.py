@@ -53,7 +53,7 @@ def look(page, folder, *options, width=1280, height=860):
     """
     command = [
         browser(), "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-        f"--user-data-dir={folder / 'browser'}", "--virtual-time-budget=4000",
+        f"--user-data-dir={folder / 'browser'}", "--virtual-time-budget=8000",
         f"--window-size={width},{height}", "--host-resolver-rules=MAP * ~NOTFOUND",
         *options, page,
     ]  # fmt: skip

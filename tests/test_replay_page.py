@@ -100,6 +100,12 @@ def test_hostile_texts_stay_text():
     assert hostile in document.texts
 
 
+# Frames by the clock of timers, which a browser without a screen may run ahead of its frames.
+FRAMES = """<script>
+requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
+cancelAnimationFrame = clearTimeout;
+</script></head>"""
+
 # A page that works its own controls as a reader would, and says in its title what came of it.
 PROBE = """<script>
 addEventListener("load", () => {
@@ -121,7 +127,6 @@ addEventListener("load", () => {
   said.back = replay.track.time;
   key("End");
   said.end = replay.track.time;
-  said.cursor = parseFloat(replay.plots[0].cursor.style.left);
   const { camera } = replay, yaw = camera.yaw, target = camera.target, far = camera.distance;
   pointer("pointerdown", 300, 300);
   pointer("pointermove", 400, 300);
@@ -154,7 +159,14 @@ addEventListener("load", () => {
       said.played = replay.track.time;
       key(" ");
       said.paused = !replay.playing;
-      document.title = JSON.stringify(said);
+      replay.seek(replay.track.end);
+      const until = performance.now() + 2000;
+      const look = () => {
+        said.cursor = parseFloat(replay.plots[0].cursor.style.left);
+        if (said.cursor > 200 || performance.now() > until) document.title = JSON.stringify(said);
+        else setTimeout(look, 50);
+      };
+      look();
     } else setTimeout(wait, 50);
   };
   wait();
@@ -165,7 +177,7 @@ addEventListener("error", (event) => (document.title = "error: " + event.message
 
 def test_works_in_a_browser(scene, html, tmp_path):
     file = tmp_path / "probe.html"
-    file.write_text(html.replace("</body>", PROBE), encoding="utf-8")
+    file.write_text(html.replace("</head>", FRAMES).replace("</body>", PROBE), encoding="utf-8")
     shown = scenes.look(f"{file.as_uri()}#t=0.5", tmp_path, "--dump-dom")
     title = re.search(r"<title>(.*?)</title>", shown, re.DOTALL).group(1)
     assert not title.startswith("error"), title

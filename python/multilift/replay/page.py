@@ -47,7 +47,7 @@ def render(scene: Scene, *, max_points: int = 1500) -> str:
 def _data(scene: Scene, grid: dict[str, Any], max_points: int) -> dict[str, Any]:
     strongest = max((float(np.linalg.norm(p.force, axis=1).max()) for p in scene.pushes), default=0)
     box = scene.box + np.array([[-1.0], [1.0]]) * 0.3 * scene.arrow_length
-    box[1, 2] += 0.6 * scene.arrow_length  # thrust arrows
+    box[1, 2] += 0.85 * scene.arrow_length  # thrust arrows
     if scene.floor is not None:
         box[0, 2] = max(box[0, 2], scene.floor)
     flat = box[1] - box[0]

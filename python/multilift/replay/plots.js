@@ -125,8 +125,9 @@ class Plot {
   /** To the track's time. */
   move() {
     this.cursor.style.left = `${this.x(this.track.time)}px`;
-    const { lines, digits } = this.spec;
-    this.value.replaceChildren(...lines.slice(0, 8).map(({ name, colour, values }) => {
+    const { digits } = this.spec;
+    const lines = this.spec.lines.length > 5 ? [this.greatest()] : this.spec.lines;
+    this.value.replaceChildren(...lines.map(({ name, colour, values }) => {
       const now = values[this.track.k];
       const value = document.createElement("span"), key = document.createElement("b");
       if (colour) key.style.background = colour;
@@ -134,6 +135,12 @@ class Plot {
       value.append(...(name ? [key, " "] : []), Number.isFinite(now) ? now.toFixed(digits) : "–");
       return value;
     }));
+  }
+
+  /** Of many lines the one that is highest now. */
+  greatest() {
+    const now = ({ values }) => values[this.track.k] ?? NaN;
+    return this.spec.lines.reduce((best, line) => (now(line) > now(best) || !(now(best) > -Infinity) ? line : best));
   }
 
   static step(span, wanted) {

@@ -32,7 +32,7 @@ class Replay {
       name: String(k + 1), colour: scene.vehicles[k].colour, values: Array.from(cable[name], (x) => factor * x),
     }));
     const specs = [
-      { title: "Swing of the cables", unit: "deg", lines: perCable("swing", 180 / Math.PI), band: 1, least: 1.5,
+      { title: "Swing", unit: "deg", lines: perCable("swing", 180 / Math.PI), band: 1, least: 1.5,
         digits: 1, zero: true },
       { title: "Tensions", unit: "N", lines: perCable("tension", 1), least: 1, digits: 1, zero: false },
       { title: "Payload off its target", unit: "m", lines: [{ name: "", values: Array.from(all.error) }],

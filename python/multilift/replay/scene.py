@@ -69,7 +69,8 @@ class Cable:
         foot: where it is tied to the payload, world, shape (rows, 3), m.
         length: at rest, m.
         tension: shape (rows,), N.
-        swing: angle from its direction at rest, shape (rows,), rad; NaN where it is slack or cut.
+        swing: angle from its direction at rest, shape (rows,), rad; NaN where it is slack, cut,
+            or its vehicle lost.
         cut: from when on it is cut, s.
     """
 
@@ -87,7 +88,8 @@ class Push:
     Attributes:
         body: -1 for the payload, else the vehicle's index.
         force: over the rows, world axes, 0 where it does not act, shape (rows, 3), N.
-        start, duration: when it acts, s.
+        start: when it begins to act, s.
+        duration: for how long, s.
     """
 
     body: int
@@ -110,10 +112,20 @@ class Scene:
     """A run to look at; all arrays have the rows of `t`.
 
     Attributes:
-        name, title, law, ending: texts of the run.
+        name: of the scenario.
+        title: one line.
+        law: what flew it.
+        ending: how it ended, a sentence.
         t: times, ascending, s.
-        payload: its shape; `payload_position`, `payload_attitude`, `payload_target` (level, heading
-            `payload_yaw`, rad) over the rows.
+        payload: its shape.
+        payload_position: shape (rows, 3), m.
+        payload_attitude: shape (rows, 4).
+        payload_target: where it shall be, level, shape (rows, 3), m.
+        payload_yaw: its target heading, rad.
+        vehicles: in order.
+        cables: one for each vehicle.
+        pushes: outside forces.
+        events: what the time line marks, in order.
         floor: height of the ground, m; None where there is none.
     """
 
@@ -140,7 +152,7 @@ class Scene:
 
     @cached_property
     def usual_tension(self) -> tuple[float, float]:
-        """The tensions between which colours run, N: what cables pull but for rare jerks.
+        """Between which tensions colours run, in N. They are what cables pull but for rare jerks.
 
         At least a fifth of the greater one apart, so that a steady pull does not look restless.
         """

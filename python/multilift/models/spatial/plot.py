@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from multilift.models.spatial.run import SpatialRun, rotation_matrices
-from multilift.models.spatial.scene import events
+from multilift.models.spatial.scene import events, shown_swing
 from multilift.plot import DESIRED, RC, LineStyle, styles
 from multilift.replay.colours import vehicle_colour
 
@@ -139,9 +139,8 @@ def tilt(run: SpatialRun) -> Array:
 
 
 def swing(run: SpatialRun) -> Array:
-    """Angles of the cables from their directions at rest, deg; NaN where slack, shape (rows, n)."""
-    taut = _columns(run[f"tension{k + 1}"] > 0.0 for k in range(run.scenario.count))
-    return np.where(taut, _DEGREE * run.swing(), np.nan)
+    """Of the cables that pull on a flying vehicle, else NaN, deg, shape (rows, n)."""
+    return np.asarray(_DEGREE * shown_swing(run))
 
 
 def _columns(columns: Iterable[NDArray[Any]]) -> NDArray[Any]:

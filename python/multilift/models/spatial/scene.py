@@ -22,11 +22,6 @@ def scene(run: SpatialRun) -> Scene:
     plant = values["plant"]
     attachments = np.array(plant["attachment"])
     body = payload_body(plant["payload_mass"], np.array(plant["payload_inertia"]), attachments)
-    broken = {kind: np.full(run.scenario.count, np.inf) for kind in ("cable_cut", "vehicle_lost")}
-    for event in values["event"]:
-        if event["kind"] in broken:
-            times, who = broken[event["kind"]], body_index(event["vehicle"])
-            times[who] = min(times[who], event["time"])
     return Scene(
         name=run.scenario.name,
         title=run.scenario.title,
@@ -38,12 +33,30 @@ def scene(run: SpatialRun) -> Scene:
         payload_attitude=run.attitude("payload"),
         payload_target=run.vector("target"),
         payload_yaw=run["target_yaw"],
-        vehicles=_vehicles(run, broken["vehicle_lost"]),
-        cables=_cables(run, broken["cable_cut"]),
+        vehicles=_vehicles(run, _since(run, "vehicle_lost")),
+        cables=_cables(run, _since(run, "cable_cut")),
         pushes=_pushes(run),
         events=events(run),
         floor=values["ground"]["height"] if values["ground"]["present"] else None,
     )
+
+
+def shown_swing(run: SpatialRun) -> Array:
+    """Swing of cables that pull on a flying vehicle, else NaN, shape (rows, n), rad."""
+    tension = np.stack([run[f"tension{k + 1}"] for k in range(run.scenario.count)], axis=1)
+    given_up = np.minimum(_since(run, "cable_cut"), _since(run, "vehicle_lost"))
+    loose = tension <= SLACK_PART * np.maximum(np.nanmax(tension, axis=0), 1e-300)
+    return np.where(loose | (run.t[:, None] >= given_up), np.nan, run.swing())
+
+
+def _since(run: SpatialRun, kind: str) -> Array:
+    """From when on what broke by a kind of event is broken, for every vehicle; infinity: never."""
+    times = np.full(run.scenario.count, np.inf)
+    for event in run.scenario["event"]:
+        if event["kind"] == kind:
+            who = body_index(event["vehicle"])
+            times[who] = min(times[who], event["time"])
+    return times
 
 
 def _vehicles(run: SpatialRun, lost: Array) -> list[Craft]:
@@ -73,17 +86,16 @@ def _vehicles(run: SpatialRun, lost: Array) -> list[Craft]:
 
 
 def _cables(run: SpatialRun, cut: Array) -> list[Cable]:
-    feet, swing = run.attachments(), run.swing()
+    feet, swing = run.attachments(), shown_swing(run)
     result = []
     for k in range(run.scenario.count):
         tension = run[f"tension{k + 1}"]
-        loose = (tension <= SLACK_PART * max(float(np.nanmax(tension)), 1e-300)) | (run.t >= cut[k])
         result.append(
             Cable(
                 foot=feet[:, k],
                 length=run.scenario["plant.cable_length"][k],
                 tension=np.where(run.t >= cut[k], 0.0, tension),
-                swing=np.where(loose, np.nan, swing[:, k]),
+                swing=swing[:, k],
                 cut=float(cut[k]),
             )
         )
