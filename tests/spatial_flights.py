@@ -211,10 +211,7 @@ def fly(
             "thrust_coefficient": lift / 4 / CRAFT["rotor_speed_max"] ** 2,
             **craft,
         }
-        parts += [
-            pack(FIELDS["quadrotor"], n, given),
-            pack(FIELDS["autopilot"], n, autopilot or {}),
-        ]
+        parts += [pack(FIELDS["quadrotor"], n, given), pack(FIELDS["autopilot"], n, autopilot or {})]
     parts += [team.offset.ravel(), team.cable_force.ravel(), [*goal, yaw]]
     parts += [pack(FIELDS["link"], n, link or {}), pack(FIELDS["limits"], n, limits or {})]
     if motion_capture is not None:

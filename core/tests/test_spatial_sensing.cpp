@@ -42,8 +42,8 @@ void samples_arrive_late() {
   }
 }
 
-/// A stream that freezes repeats its last sample and goes on afterwards; swapped vehicles are swapped
-/// for as long as said.
+/// A stream that freezes repeats its last sample and goes on afterwards; swapped vehicles are
+/// swapped for as long as said.
 void streams_freeze_and_swap_for_their_time() {
   MotionCaptureParameters<double> p;
   p.freeze_start = 0.05, p.freeze_duration = 0.03;
