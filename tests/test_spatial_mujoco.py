@@ -135,8 +135,7 @@ def test_free_bodies_on_stiff_tendons_approach_taut_cables(n):
         np.abs(engine_flight(world, step, softness, force) - ours).max()
         for softness in (0.04, 0.02, 0.01)
     ]
-    # With the square of the time constant, down to the 1e-5 m that drag held over steps of 0.5 ms
-    # makes.
+    # With the square of the time constant, down to the 1e-5 m of drag held over steps there.
     assert apart[0] / apart[1] == pytest.approx(4.0, rel=0.2)
     assert apart[2] < 2e-5
 

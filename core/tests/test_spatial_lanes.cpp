@@ -2,7 +2,7 @@
 // its neighbours go through: events of their own, other numbers of them, or no finite numbers at
 // all.
 #include "check.hpp"
-#include "random_spatial.hpp"
+#include "random_outings.hpp"
 
 using namespace multilift;
 using namespace multilift::spatial;
@@ -82,6 +82,32 @@ double lanes_are_worlds(Random& random, std::size_t n, bool with_broken) {
   return impacts;
 }
 
+/// Neighbours differ, one collides, one diverges; every world has the bits that it has alone.
+template <class Cables, template <class> class Kind, int W>
+void rollouts_are_worlds(Random& random, std::size_t n) {
+  std::vector<Outing> worlds;
+  for (int k = 0; k < W; ++k) {
+    Outing w = random_outing(random, n);
+    w.seed = static_cast<std::uint64_t>(k);
+    if (k % 4 == 1)
+      w.vehicle_distance = 0.95 * norm(w.start.vehicle[0].position - w.start.vehicle[1].position);
+    if (k % 4 == 2) w.k_lambda = 1e3;  // the loop blows up
+    worlds.push_back(w);
+  }
+  const Timing timing{1e-3, 1000, 10, 1000000};
+  const auto together = run_outings<Lanes<W>, Kind<Lanes<W>>>(worlds, {true, true, true}, timing);
+  for (std::size_t k = 0; k < worlds.size(); ++k) {
+    const auto alone = run_outings<double, Cables>({worlds[k]}, {true, true, true}, timing)[0];
+    CHECK(together[k].status == alone.status && together[k].time == alone.time);
+    CHECK(k % 4 != 2 || alone.status == Status::diverged);
+    if (alone.status == Status::diverged) continue;
+    CHECK(together[k].state == alone.state);
+    for (std::size_t m = 0; m < alone.metrics.size(); ++m)
+      CHECK(same_bits(together[k].metrics[m], alone.metrics[m]));
+    for (const auto& [name, x] : alone.audit) CHECK(together[k].audit.at(name) == x);
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -94,5 +120,10 @@ int main() {
     lanes_are_worlds<ElasticCables, 4>(random, 1 + k % 6, broken);
   }
   CHECK(impacts > 100.0);
+  for (std::size_t n = 2; n <= 5; ++n) {
+    rollouts_are_worlds<RigidCables<double>, RigidCables, 4>(random, n);
+    rollouts_are_worlds<ElasticCables<double>, ElasticCables, 4>(random, n);
+  }
+  rollouts_are_worlds<RigidCables<double>, RigidCables, 8>(random, 3);
   return verdict();
 }
