@@ -5,4 +5,4 @@ import sys
 from multilift.bench import print_rows, run_benchmarks
 from rich.console import Console
 
-print_rows(run_benchmarks(*map(int, sys.argv[1:2])), Console())
+print_rows(run_benchmarks(*map(int, sys.argv[1:2])), Console(width=160))

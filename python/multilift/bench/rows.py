@@ -60,7 +60,7 @@ def print_rows(rows: Sequence[Row], console: Console) -> None:
     table.add_column("note")
     for row in rows:
         table.add_row(row.label, digits(row.median), digits(row.best), row.unit, row.note)
-    console.print(table, width=max(console.width, 150), crop=False)
+    console.print(table)
 
 
 def digits(x: float | None) -> str:

@@ -13,12 +13,12 @@ enum class Stage { start, middle, end };
 template <class State, class Rate, class RateAt>
 MULTILIFT_INLINE State rk4_step(const State& x, const Rate& k1, double h, RateAt&& rate_at) {
   // Summed as they come, so that only one rate and the sum need be kept.
-  Rate k = rate_at(Stage::middle, x.moved(k1, 0.5 * h));
-  Rate sum = k1 + 2.0 * k;
-  k = rate_at(Stage::middle, x.moved(k, 0.5 * h));
-  sum = sum + 2.0 * k;
-  k = rate_at(Stage::end, x.moved(k, h));
-  return x.moved(sum + k, h / 6.0);
+  Rate k2 = rate_at(Stage::middle, x.moved(k1, 0.5 * h));
+  Rate first_two = k1 + 2.0 * k2;
+  Rate k3 = rate_at(Stage::middle, x.moved(k2, 0.5 * h));
+  Rate first_three = first_two + 2.0 * k3;
+  Rate k4 = rate_at(Stage::end, x.moved(k3, h));
+  return x.moved(first_three + k4, h / 6.0);
 }
 
 }  // namespace multilift

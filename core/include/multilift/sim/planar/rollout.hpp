@@ -67,28 +67,24 @@ MULTILIFT_INLINE Verdict<R> judge(const State<R>& state, const Motion<R>& motion
   return verdict;
 }
 
-// The two below happen rarely. They are calls that are given copies, so that in the loop, which
-// they would otherwise reach into, everything may stay in registers.
-
-template <Real R, class Record>
-MULTILIFT_NOINLINE void record_sample(Record& record, mask_t<R> whose, const Plant<R>& plant,
-                                      double time, State<R> state, Pose<R> pose, Motion<R> now,
-                                      Command<R> commanded, Command<R> applied, R storage,
-                                      std::array<Vec2<R>, 2> d_hat, Powers<R> powers) {
+/// What happens rarely: records, and the outcomes of the worlds that end now. Returns which worlds
+/// go on. One call that is given copies, so that in the loop, which it would otherwise reach into,
+/// everything may stay in registers.
+template <bool with_audit, Real R, class Record>
+MULTILIFT_NOINLINE mask_t<R> record_and_end(Record& record, bool due, Outcomes<R>& outcomes,
+                                            mask_t<R> alive, mask_t<R> ending, Verdict<R> verdict,
+                                            const Plant<R>& plant, double time, State<R> state,
+                                            Pose<R> pose, Motion<R> now, Command<R> commanded,
+                                            Command<R> applied, R storage,
+                                            std::array<Vec2<R>, 2> d_hat, Powers<R> powers,
+                                            Metrics<R> metrics, Audit<R> audit) {
   const Instant<R> instant{time, state, pose, now, commanded, applied, storage};
-  R energy = mechanical_energy(plant, state, pose, swing_of(plant, state, pose));
-  record(Sample<R>{instant, plant, d_hat, powers, energy}, whose);
-}
-
-/// Writes the outcomes of the worlds that end now.
-template <bool with_audit, Real R>
-MULTILIFT_NOINLINE void conclude(Outcomes<R>& outcomes, mask_t<R> ending, Verdict<R> verdict,
-                                 double time, State<R> state, Pose<R> pose, Motion<R> now,
-                                 Command<R> commanded, Command<R> applied, R storage,
-                                 Metrics<R> metrics, Audit<R> audit) {
+  const R energy = mechanical_energy(plant, state, pose, swing_of(plant, state, pose));
+  record(Sample<R>{instant, plant, d_hat, powers, energy}, due ? alive : ending);
+  if (!any(ending)) return alive;
   const Metrics<R> metrics_before = metrics;
   const Audit<R> audit_before = audit;
-  metrics.update({time, state, pose, now, commanded, applied, storage}, 0.0);
+  metrics.update(instant, 0.0);
   if constexpr (with_audit) audit.compare(storage);
   for (int i = 0; i < lanes_of<R>; ++i) {
     if (!lane(ending, i)) continue;
@@ -102,6 +98,7 @@ MULTILIFT_NOINLINE void conclude(Outcomes<R>& outcomes, mask_t<R> ending, Verdic
     outcome.audit = (diverged ? audit_before : audit).world(i);
     if (outcome.status != Status::finished) outcome.metrics.cut_short();
   }
+  return alive & !ending;
 }
 
 /// Runs from `state` to the end of the timing; each world of a batch only to its first broken
@@ -154,19 +151,15 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     Verdict<R> verdict = judge(state, now);
     mask_t<R> last = R(0.0) < R(k == timing.steps ? 1.0 : 0.0);
     mask_t<R> ending = alive & (verdict.any_cause() | last);
-    if (any(ending)) {
-      record_sample<R>(record, ending, plant, time, state, pose, now, commanded,
-                       actuators.at_start(), storage, d_hat, powers);
-      conclude<with_audit, R>(outcomes, ending, verdict, time, state, pose, now, commanded,
-                              actuators.at_start(), storage, metrics, audit);
-      alive = alive & !ending;
+    const bool due = k % timing.record_steps == 0;
+    if (due || any(ending)) {
+      alive = record_and_end<with_audit, R>(record, due, outcomes, alive, ending, verdict, plant,
+                                            time, state, pose, now, commanded, actuators.at_start(),
+                                            storage, d_hat, powers, metrics, audit);
       if (!any(alive)) return outcomes;
     }
     if constexpr (with_audit) audit.compare(storage);
     metrics.update({time, state, pose, now, commanded, actuators.at_start(), storage}, h);
-    if (k % timing.record_steps == 0)
-      record_sample<R>(record, alive, plant, time, state, pose, now, commanded,
-                       actuators.at_start(), storage, d_hat, powers);
 
     // What leads to the next one.
     Powers<R> work = powers;
