@@ -1,7 +1,10 @@
 """What the benchmark reports. How fast anything is, no test says."""
 
+import csv
 import os
+import subprocess
 import sys
+from pathlib import Path
 
 import multilift as ml
 import numpy as np
@@ -72,3 +75,27 @@ def test_operations_grow_with_the_run():
         _core.planar_operations("mine", row, 1e-3, 1, 1)
     with pytest.raises(ValueError, match="numbers"):
         _core.planar_operations(scenario.law, row[:-1], 1e-3, 1, 1)
+
+
+def test_growth_is_measured_stored_and_drawn(tmp_path):
+    script = Path(__file__).parents[1] / "benchmarks" / "growth.py"
+    table = tmp_path / "growth.csv"
+    done = subprocess.run(
+        [sys.executable, str(script), "--most", "10", "--table", str(table)],
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    assert [row["worlds"] for row in rows] == [1, 10]
+    assert len(done.stdout.splitlines()) == 2
+    for row in rows:
+        assert 0 < row["kernel_seconds"] <= row["seconds"]
+        assert 0 < row["start_mib"] <= row["peak_mib"]
+    assert table.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_growth_that_the_documentation_shows_is_whole():
+    table = Path(__file__).parents[1] / "docs" / "_static" / "growth.csv"
+    with table.open(newline="", encoding="utf-8") as file:
+        worlds = [int(row["worlds"]) for row in csv.DictReader(file)]
+    assert worlds == [10**k for k in range(7)]

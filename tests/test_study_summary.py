@@ -8,7 +8,7 @@ import multilift as ml
 import numpy as np
 import pytest
 from multilift import study
-from multilift.cli import _load, _parse_change
+from multilift.options import _parse_change, load_changed
 from multilift.study import run as runner
 from multilift.study.summary import replay_command, toml_inline
 from study_files import rows, write
@@ -125,7 +125,7 @@ def run_command(command):
     words = shlex.split(command)
     assert words[:2] == ["multilift", "run"]
     changes = [words[k + 1] for k, word in enumerate(words) if word == "--set"]
-    return ml.simulate(_load(words[2], changes), words[words.index("--controller") + 1])
+    return ml.simulate(load_changed(words[2], changes), words[words.index("--controller") + 1])
 
 
 def test_commands_replay_their_rows_to_the_last_bit(result):
