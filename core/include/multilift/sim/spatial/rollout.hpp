@@ -138,7 +138,7 @@ class Rollout {
       audit_.compare(sample.storage);
       metrics_.update(sample, h);
       if (k % s_.timing.record_steps == 0) record(sample, alive);
-      advance(time, h);
+      advance(k);
     }
   }
 
@@ -190,12 +190,13 @@ class Rollout {
     }
   }
 
-  void advance(double time, double h) {
+  void advance(long k) {
+    const double h = s_.timing.step, time = h * static_cast<double>(k);
     if (s_.reference.stands()) {
       audit_.next_step({&targets_[0], &targets_[0], &targets_[0]});
     } else {
       s_.reference.at(time + 0.5 * h, targets_[1]);
-      s_.reference.at(time + h, targets_[2]);
+      s_.reference.at(h * static_cast<double>(k + 1), targets_[2]);
       audit_.next_step({&targets_[0], &targets_[1], &targets_[2]});
     }
     stepper_.step(
