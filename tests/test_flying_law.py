@@ -154,6 +154,8 @@ def test_what_cannot_be_meant_is_refused_and_leaves_the_law_as_it_was():
             law.update(0.0, *wrong)
     with pytest.raises(ControllerError, match="t measured is not finite"):
         law.update(float("nan"), *now)
+    with pytest.raises(ControllerError, match="saturated has 2 entries"):
+        law.update(0.0, *now, [True, False])
     assert np.array_equal(law.update(0.0, *now).force, twin.update(0.0, *now).force)
     with pytest.raises(ControllerError, match="hover_thrust"):
         law.set_points(np.ones((3, 3)), 0.0)

@@ -19,6 +19,7 @@ from multilift.models.spatial.formation import BALANCE_TOLERANCE
 from multilift.models.spatial.run import SpatialRun
 from multilift.models.spatial.scenario import SpatialScenario
 from multilift.models.spatial.tables import LAWS, MOTION_CAPTURE, TABLES
+from multilift.models.spatial.world import SpatialWorld
 from multilift.overrides import Columns
 from multilift.quantities import Quantities
 from multilift.run import Run
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
     from multilift.replay.scene import Scene
 
-__all__ = ["MODEL", "FlyingLaw", "Spatial"]
+__all__ = ["MODEL", "FlyingLaw", "Spatial", "SpatialWorld"]
 
 
 class Spatial(Model):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,7 +117,7 @@ class FlyingLaw:
         payload_attitude: ArrayLike,
         payload_velocity: ArrayLike,
         payload_rate: ArrayLike,
-        saturated: Sequence[bool] | None = None,
+        saturated: Iterable[bool] | None = None,
     ) -> Command:
         """One control period of the law.
 
@@ -157,8 +157,11 @@ class FlyingLaw:
                 "  permitted: a unit quaternion, scalar first"
             )
         n = self.count
+        full = self._free if saturated is None else [bool(is_so) for is_so in saturated]
+        if len(full) != n:
+            raise ControllerError(f"saturated has {len(full)} entries\n  permitted: {n}")
         out = np.empty(8 * n)
-        self._core.step(t, self._told, self._free if saturated is None else saturated, out)
+        self._core.step(t, self._told, full, out)
         return Command(
             out[: 3 * n].reshape(n, 3),
             out[3 * n : 6 * n].reshape(n, 3),
