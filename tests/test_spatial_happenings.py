@@ -1,4 +1,4 @@
-"""What a scenario says that happens changes its run exactly so: breaks, motion capture, the link."""
+"""What a scenario says that happens changes its run exactly so: breaks, motion capture, link."""
 
 import multilift as ml
 import numpy as np
@@ -8,7 +8,6 @@ from spatial_scenarios import plate
 STEP = 0.001  # s, of integration; every step is recorded
 PERIOD = 0.01  # s, of control
 
-#: Calm air, so that vehicles without cables are moved by their forces alone.
 EVERY_STEP = {"simulation.record_period": STEP, "simulation.duration": 1.0}
 QUADROTORS = {"vehicle.type": "paper_craft"}
 
@@ -94,7 +93,7 @@ def witnessed(changes, rate=1.0 / PERIOD, duration=1.0):
     witness = Witness()
     changes = {**changes, "controller.rate": rate, "simulation.duration": duration,
                "simulation.record_period": STEP}  # fmt: skip
-    run = ml.simulate(plate(changes=changes), lambda m: witness.step(m))
+    run = ml.simulate(plate(changes=changes), witness.step)
     told = np.array([np.hstack([m.vehicle, m.vehicle_velocity]) for m in witness.seen])
     true = np.stack(
         [
@@ -172,7 +171,7 @@ def test_jitter_makes_commands_late_by_up_to_that_and_never_goes_back():
     assert (np.diff(stamp) >= 0).all()
     arrived = np.flatnonzero(np.diff(stamp)) + 1
     late = arrived - 10 * stamp[arrived] - 20
-    assert ((0 <= late) & (late <= 5)).all()
+    assert ((late >= 0) & (late <= 5)).all()
     parts = np.bincount(late, minlength=6) / len(late)
     assert np.abs(parts - 1 / 6).max() < chance(len(late), 1 / 6)
 
