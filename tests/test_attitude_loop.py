@@ -125,7 +125,7 @@ SETTINGS = {
     "much integral": {"autopilot.rate_i": 2.0},
     "much derivative": {"autopilot.rate_d": 0.01, "autopilot.rate_filter": 60.0},
     "slow autopilot": {"autopilot.rate": 250.0},
-    "half a thrust curve": {"autopilot.thrust_curve": 1.0, "vehicle.frame_angle": 0.0},
+    "a + frame": {"vehicle.frame_angle": 0.0},
 }
 
 
