@@ -208,7 +208,7 @@ class Rollout {
   }
 
   mask_t<R> keep_clear(const Instant<R>& now) {
-    const Clearance<R> found = clearance_of(s_.plant, x_, now);
+    const Clearance<R> found = clearance_of(s_.plant, x_, now, stepper_.whole());
     metrics_.keep_clearance(found);
     return (found.vehicles < s_.safety.vehicle_distance) |
            (found.cables < s_.safety.cable_distance);
