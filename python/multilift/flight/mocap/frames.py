@@ -68,18 +68,25 @@ class Source(Protocol):
     #: Messages that were not frames, or not whole.
     malformed: int
 
-    async def open(self) -> None:
-        """Connect.
+    async def open(self, timeout: float = 10.0) -> None:
+        """Connect, and wait for the first frame for `timeout` seconds.
 
         Raises:
-            CaptureError: no server, no such body, a version that it does not speak.
+            CaptureError: no server, no such body, a version that it does not speak, no frame.
         """
 
     async def next(self) -> Frame:
-        """The next frame, as soon as there is one.
+        """The oldest frame that waits, or the next to come.
 
         Raises:
             CaptureError: the source ended.
+        """
+
+    def drain(self) -> list[Frame]:
+        """All frames that wait, oldest first; never waits itself.
+
+        Raises:
+            CaptureError: the source ended, and all of its frames have been given.
         """
 
     async def close(self) -> None:
