@@ -36,16 +36,13 @@ class Tuning:
         gate: a pose farther than this many standard deviations from its prediction is rejected.
         slack: allowed on top of the gate, m, for what a model of constant acceleration misses.
         angle_slack: the same for attitudes, rad.
-        rebirth: a body that is rejected this long while its poses agree with one another has
-            really moved, s: the filter starts again from them.
+        rebirth: poses, or clocks, that were rejected for this long but agree with one another
+            are right, s.
         settle: time from the start until velocities are sound, s.
         coast: how long after the last accepted pose extrapolation is sound, s.
         lost: after which age values are no longer to be used, s.
-        frozen: identical poses for this long are a fault, s.
-        frozen_frames: and at least this many of them.
-        swap: how often in a row two bodies must fit each other's predictions to be swapped.
         latency: from capture to arrival at its least, s; it cannot be measured here.
-        clock_slack: arrival may be this much later than usual before the clock is at fault, s.
+        clock_slack: arrival may be this much later than at best before the frame is left out, s.
     """
 
     position_noise: float = 5e-4
@@ -53,14 +50,11 @@ class Tuning:
     jerk: float = 6.0
     angular_jerk: float = 60.0
     gate: float = 6.0
-    slack: float = 0.02
-    angle_slack: float = 0.1
+    slack: float = 0.01
+    angle_slack: float = 0.05
     rebirth: float = 0.3
     settle: float = 0.2
     coast: float = 0.05
     lost: float = 0.15
-    frozen: float = 0.05
-    frozen_frames: int = 4
-    swap: int = 2
     latency: float = 0.004
-    clock_slack: float = 0.1
+    clock_slack: float = 0.05

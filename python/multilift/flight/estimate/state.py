@@ -15,11 +15,11 @@ class Quality(IntEnum):
     NONE = 0
     """Never seen: the values are zero and mean nothing."""
     LOST = 1
-    """Last seen longer ago than extrapolation reaches: the values are where it was then."""
+    """Last seen longer ago than extrapolation reaches: the values are as far as it does."""
     SUSPECT = 2
-    """What comes in contradicts itself or what was known; extrapolated from before that."""
+    """Unseen for longer than extrapolation is sound, or seen under another's name."""
     COASTING = 3
-    """Not in the last frames, extrapolated, within the time for which that is sound."""
+    """Nothing to take in from the last frame; extrapolated, as long as that is sound."""
     CONVERGING = 4
     """Seen, but not long enough for velocity and rate to be sound."""
     GOOD = 5
@@ -33,19 +33,19 @@ class Fault(Enum):
     UNSEEN = "unseen"
     """No frame has had this body yet."""
     STARTING = "starting"
-    """Too few frames since the first, or since a jump that turned out to be real."""
+    """Too little time since the first frame."""
     SILENT = "silent"
     """No frames come."""
     FROZEN = "frozen"
-    """Frames come, but say the same again: poses to the last bit, frame number or time."""
+    """Frames come, but say the same again: poses to the last bit, or the time of capture."""
     DROPPED = "dropped"
     """Frames come without this body, or with values that are no numbers."""
     JUMP = "jump"
     """Poses that this body cannot have reached."""
     SWAPPED = "swapped"
-    """Two bodies' poses fit each other's predictions, not their own."""
+    """Poses come under another body's name; they are taken in where they belong."""
     CLOCK = "clock"
-    """Capture times jumped or drift away from the time of arrival."""
+    """Capture times do not go with the times of arrival."""
 
 
 @dataclass(frozen=True, slots=True)
