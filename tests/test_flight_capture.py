@@ -8,6 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
+from multilift.flight.estimate.config import Tuning
+from multilift.flight.estimate.estimator import Estimator, Verdict
+from multilift.flight.estimate.state import Quality
 from multilift.flight.mocap import rotations
 from multilift.flight.mocap.errors import CaptureError
 from multilift.flight.mocap.frames import Frame, Pose
@@ -90,6 +93,29 @@ def test_what_the_cameras_saw_arrives_in_metres(system, kind):
         assert numbers == sorted(set(numbers))
         assert source.malformed == 0
         await source.close()
+        await source.close()
+
+    flown(test)
+
+
+def test_estimates_from_the_wire_are_near_the_truth():
+    async def test(server, port):
+        del server
+        source = CaptureSource(Settings("qualisys", {"vehicle_1": "QTM drone"}, port=port))
+        await source.open()
+        estimator, differences = Estimator(["vehicle_1"]), []
+        sound = 0
+        while sound < 100:
+            frame = await source.next()
+            verdict = estimator.accept(frame)
+            differences.append(frame.received_time - frame.capture_time)
+            now = time.monotonic()
+            body = estimator.at(now).bodies["vehicle_1"]
+            if verdict is Verdict.NEW and body.standing.quality is Quality.GOOD:
+                t = now - min(differences) + Tuning().latency
+                # 3.5 sigmas of the noise for which the filter is made; this stream has none
+                assert math.dist(body.position, position(t)) < 2e-3
+                sound += 1
         await source.close()
 
     flown(test)

@@ -4,15 +4,18 @@ import math
 import random
 from dataclasses import replace
 
+import multilift as ml
+import numpy as np
 import pytest
 from flight_scenes import BEGAN, BODIES, CABLES, LATENCY, RATE, Camera, times, truth
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from multilift.flight.estimate.config import Tuning
 from multilift.flight.estimate.estimator import Estimator, Verdict
+from multilift.flight.estimate.scene import estimator_for
 from multilift.flight.estimate.state import Fault, Quality
 from multilift.flight.mocap import rotations
-from multilift.flight.mocap.frames import Pose
+from multilift.flight.mocap.frames import Frame, Pose
 
 TUNING = Tuning()
 #: Within this of its first frame a fault must be seen in the quality: coasting, then a frame.
@@ -45,6 +48,13 @@ def fault_after(estimator, frames, names=BODIES):
         if all(found[name].quality <= Quality.SUSPECT for name in names):
             return now - start, {found[name].fault for name in names}
     pytest.fail("the fault was not seen")
+
+
+def assert_sound(estimate):
+    """What is said to be sound is where the scene is, to 2 cm."""
+    for name, body in estimate.bodies.items():
+        if body.standing.quality >= Quality.COASTING:
+            assert math.dist(body.position, truth(name, estimate.time)[0]) < 0.02
 
 
 # A good stream.
@@ -141,6 +151,22 @@ def test_a_source_without_capture_times_has_those_of_arrival():
         assert math.dist(body.position, truth(name, t + LATENCY)[0]) < 2e-3
 
 
+def test_a_scenario_says_which_bodies_there_are():
+    scenario = ml.load("uneven_four")
+    estimator, rng = estimator_for(scenario), np.random.default_rng(1)
+    names = [f"vehicle_{k + 1}" for k in range(scenario.count)]
+    seen = dict(zip(names, scenario.vehicle_start[:, :3], strict=True))
+    seen["payload"] = scenario.payload_start[:3]
+    for t in times(1.0):
+        bodies = {name: Pose(tuple(p + rng.normal(0.0, 1e-5, 3))) for name, p in seen.items()}
+        estimator.accept(Frame(None, t, t, bodies))
+    estimate = estimator.at(t)
+    assert set(estimate.bodies) == {*names, "payload"}
+    # at the start the scenario's cables are as long as they are
+    distances = [cable.distance for cable in estimate.cables]
+    assert distances == pytest.approx(scenario.values["plant"]["cable_length"], abs=1e-4)
+
+
 def test_before_the_first_frame_nothing_is_known():
     estimator = Estimator(BODIES, CABLES)
     for quality, t in ((Quality.NONE, 0.0), (Quality.CONVERGING, 0.1)):
@@ -186,6 +212,14 @@ def test_silence():
                 assert standing.quality is Quality.SUSPECT
             else:
                 assert standing.quality is Quality.GOOD
+
+
+def test_extrapolation_ends():
+    estimator, end = settled(Camera())
+    far = [estimator.at(end + wait).bodies for wait in (1.0, 1e6)]
+    for name in BODIES:
+        assert far[0][name].position == far[1][name].position
+        assert far[0][name].position_sigma == far[1][name].position_sigma
 
 
 @pytest.mark.parametrize("stamped", [True, False], ids=["new stamps", "old stamps"])
@@ -270,6 +304,22 @@ def test_a_jump_is_not_believed_until_it_lasts(axis):
     assert math.dist(velocity, body.velocity) < 4 * body.velocity_sigma
 
 
+def test_a_body_that_is_turned_over_at_its_place():
+    camera = Camera()
+    estimator, end = settled(camera)
+    frames = []
+    for t in times(0.1, end):
+        frame = camera.frame(t)
+        pose = frame.bodies["vehicle_1"]
+        turned = rotations.product(pose.attitude, (0.0, 0.0, 0.0, 1.0))
+        frames.append(
+            replace(frame, bodies={**frame.bodies, "vehicle_1": replace(pose, attitude=turned)})
+        )
+    after, faults = fault_after(estimator, frames, ["vehicle_1"])
+    assert after <= SEEN
+    assert faults == {Fault.JUMP}
+
+
 def test_single_outliers_cost_no_more_than_their_own_frame():
     camera = Camera()
     estimator, end = settled(camera)
@@ -333,9 +383,22 @@ def test_a_capture_clock_that_jumps_is_told_and_then_followed(by):
     assert faults == {Fault.CLOCK}
     for t in times(1.0, end + 0.1):
         estimator.accept(jumped(t))
-    estimate = estimator.at(t + LATENCY)
+        estimate = estimator.at(t + LATENCY)
+        assert_sound(estimate)
     assert estimate.standing.quality is Quality.GOOD
     assert estimate.standing.age == pytest.approx(LATENCY, abs=1e-3)
+
+
+def test_a_clock_that_goes_to_and_fro_is_never_followed():
+    camera, rng = Camera(), random.Random(2)
+    estimator, end = settled(camera)
+    for t in times(3.0, end):
+        frame = camera.frame(t)
+        wrong = rng.choice((-1, 1)) * rng.uniform(0.2, 50.0)
+        estimator.accept(replace(frame, capture_time=frame.capture_time + wrong))
+        assert_sound(estimator.at(t + LATENCY))
+    assert estimator.at(t + LATENCY).standing.quality is Quality.LOST
+    assert estimator.counts["new"] == round(end * RATE)
 
 
 def test_a_stream_that_is_held_up_never_looks_new():
@@ -384,7 +447,7 @@ def streams(draw):
     return frames
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(frames=streams(), wait=st.floats(0.0, 1.0))
 def test_whatever_comes_values_are_numbers_and_old_is_never_new(frames, wait):
     estimator = Estimator(BODIES, CABLES)
