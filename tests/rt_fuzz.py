@@ -81,7 +81,7 @@ def noise(rng):
     return rng.randbytes(rng.randrange(60))
 
 
-def attack_server(rng, count):
+async def attack_server(rng, count):
     """Send `count` messages over many connections; the answers are whole packets, and bounded."""
     server = RTServer(["one", "two"])
     sent = 0
@@ -126,7 +126,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
     rng = random.Random(asked.seed)
-    print(f"server: {asked.count} messages, {dict(attack_server(rng, asked.count))}")
+    print(f"server: {asked.count} messages, {dict(asyncio.run(attack_server(rng, asked.count)))}")
     attack_readers(rng, asked.count // 10)
     print(f"readers: {asked.count // 10} messages")
 

@@ -369,6 +369,38 @@ def test_a_body_under_the_name_of_one_that_is_hidden():
     assert estimate.bodies["vehicle_1"].standing.quality is Quality.LOST
 
 
+def test_bodies_that_come_back_under_one_anothers_names_are_not_believed():
+    camera = Camera()
+    estimator, end = settled(camera)
+    other = {"vehicle_1": "vehicle_2", "vehicle_2": "vehicle_1", "payload": "payload"}
+    for t in times(2.0, end + 1.0):
+        frame = camera.frame(t)
+        bodies = {name: frame.bodies[other[name]] for name in BODIES}
+        estimator.accept(replace(frame, bodies=bodies))
+        assert_sound(estimator.at(t + LATENCY))
+    found = standings(estimator, t + LATENCY)
+    assert found["vehicle_1"].fault is found["vehicle_2"].fault is Fault.SWAPPED
+    assert found["payload"].quality is Quality.GOOD
+    for t in times(1.0, end + 3.0):
+        estimator.accept(camera.frame(t))
+    estimate = estimator.at(t + LATENCY)
+    assert estimate.standing.quality is Quality.GOOD
+    assert_sound(estimate)
+
+
+def test_bodies_that_were_carried_about_are_where_they_are_seen_after_forgetting():
+    camera = Camera()
+    estimator, end = settled(camera)
+    estimator.forget()
+    other = {"vehicle_1": "vehicle_2", "vehicle_2": "vehicle_1", "payload": "payload"}
+    for t in times(1.0, end):
+        frame = camera.frame(t)
+        estimator.accept(
+            replace(frame, bodies={name: frame.bodies[other[name]] for name in BODIES})
+        )
+    assert estimator.at(t + LATENCY).standing.quality is Quality.GOOD
+
+
 @pytest.mark.parametrize("by", [-900.0, -0.2, 0.2, 3600.0])
 def test_a_capture_clock_that_jumps_is_told_and_then_followed(by):
     camera = Camera()
@@ -486,11 +518,17 @@ def test_whatever_comes_values_are_numbers_and_old_is_never_new(frames, wait):
 
 @settings(max_examples=20, deadline=None)
 @given(frames=streams())
-def test_after_anything_a_good_stream_is_good_again(frames):
+def test_after_anything_a_good_stream_is_good_again_or_names_are_in_doubt(frames):
     estimator = Estimator(BODIES, CABLES)
     for frame in frames:
         estimator.accept(frame)
     camera, start = Camera(7), frames[-1].received_time + 0.1
-    for t in times(2.0, start):
-        estimator.accept(camera.frame(t))
-    assert estimator.at(t + LATENCY).standing.quality is Quality.GOOD
+    for forgotten in (False, True):
+        if forgotten:
+            estimator.forget()
+        for t in times(2.0, start + 2.0 * forgotten):
+            estimator.accept(camera.frame(t))
+        standing = estimator.at(t + LATENCY).standing
+        if forgotten or standing.fault is not Fault.SWAPPED:
+            assert standing.quality is Quality.GOOD
+            assert_sound(estimator.at(t + LATENCY))

@@ -1,5 +1,6 @@
 """Qualisys' protocol as bytes: packets, rotations, noise that does no harm."""
 
+import asyncio
 import math
 import random
 
@@ -100,5 +101,5 @@ def test_what_a_client_may_ask_to_be_streamed(text, meaning):
 
 @given(seed=st.integers(0, 2**32))
 def test_noise_is_answered_in_whole_packets_and_never_piles_up(seed):
-    rt_fuzz.attack_server(random.Random(seed), 200)
+    asyncio.run(rt_fuzz.attack_server(random.Random(seed), 200))
     rt_fuzz.attack_readers(random.Random(seed), 5)

@@ -168,6 +168,22 @@ def test_bad_requests_are_answered_counted_and_survived():
     run(test)
 
 
+def test_a_flood_of_requests_is_not_answered():
+    async def test():
+        async with serving() as (server, port):
+            client = await Client.connect(port)
+            client.writer.write(request(1, b"GetParameters All\0") * 2000)
+            answers = 0
+            with contextlib.suppress(asyncio.IncompleteReadError, ConnectionError):
+                while True:
+                    await client.receive()
+                    answers += 1
+            assert answers < 2000
+            assert server.counts["flooded"] == 1
+
+    run(test)
+
+
 def test_one_client_too_many_is_told_so_and_the_others_stay():
     async def test():
         async with serving() as (server, port):

@@ -74,6 +74,10 @@ class Estimator:
             self._fault, self._since = fault, self._received
         return verdict
 
+    def forget(self) -> None:
+        """Start anew, as after bodies were carried about: each is where it is seen next."""
+        self._trackers = {name: Tracker(self.tuning) for name in self._trackers}
+
     def at(self, now: float) -> Estimate:
         """Everything, extrapolated to a time.
 
@@ -147,7 +151,8 @@ class Estimator:
         """Poses that do not fit their bodies: another's, whose own does not fit either, or wrong.
 
         A pose under another body's name is taken in where it belongs, and both bodies are said to
-        be swapped for as long as that lasts.
+        be swapped for as long as that lasts. Bodies that come back after they were lost are not
+        believed to be who they are said to be if they are where another one was.
         """
         swapped: set[str] = set()
         for name, pose in strays.items():
@@ -160,7 +165,16 @@ class Estimator:
                     break
         for name, pose in strays.items():
             tracker = self._trackers[name]
-            if name not in swapped:
-                tracker.contest(time, pose, received)
-            elif name in open_to:
-                tracker.miss(received, Fault.SWAPPED)
+            if name in swapped:
+                if name in open_to:
+                    tracker.miss(received, Fault.SWAPPED)
+            elif tracker.contest(time, pose, received):
+                if self._is_anothers(name, pose, open_to):
+                    tracker.miss(received, Fault.SWAPPED)
+                else:
+                    tracker.believe(received)
+
+    def _is_anothers(self, name: str, pose: Pose, open_to: set[str]) -> bool:
+        """Whether a body that comes back does so nearer to where another one was lost."""
+        own = self._trackers[name].distance(pose)
+        return any(self._trackers[other].distance(pose) < own for other in open_to - {name})

@@ -65,19 +65,29 @@ class Tracker:
         if self.filter is not None:
             self._note(fault, received)
 
-    def contest(self, time: float, pose: Pose, received: float) -> None:
-        """A pose does not fit; where those after it fit it for long enough, it was right."""
+    def contest(self, time: float, pose: Pose, received: float) -> bool:
+        """A pose does not fit; whether it and those before it agree for long enough to be right."""
+        self._note(Fault.JUMP, received)
         challenger = self._challenger
         if challenger is None or not challenger.fits(time, pose):
             self._challenger = PoseFilter(self._tuning, time, pose)
-        else:
-            challenger.take(time, pose)
-            if challenger.count >= _LEAST_POSES and time - challenger.born >= self._tuning.rebirth:
-                self.filter, self._challenger = challenger, None
-                self._sound = challenger.born + self._tuning.settle
-                self._note(Fault.NONE, received)
-                return
-        self._note(Fault.JUMP, received)
+            return False
+        challenger.take(time, pose)
+        lasted = time - challenger.born >= self._tuning.rebirth
+        return lasted and challenger.count >= _LEAST_POSES
+
+    def believe(self, received: float) -> None:
+        """What was contested was right."""
+        assert self._challenger is not None
+        self.filter, self._challenger = self._challenger, None
+        self._sound = self.filter.born + self._tuning.settle
+        self._note(Fault.NONE, received)
+
+    def distance(self, pose: Pose) -> float:
+        """From where the body was last, m; infinite where it never was."""
+        if self.filter is None:
+            return math.inf
+        return math.dist(self.filter.motion(0.0)[0], pose.position)
 
     def shift(self, by: float) -> None:
         """The source's clock jumped."""
@@ -105,7 +115,8 @@ class Tracker:
         elif age > tuning.coast or fault is Fault.SWAPPED:
             quality = Quality.SUSPECT
         elif fault is not Fault.NONE:
-            quality = Quality.COASTING
+            sound = self.filter.time >= self._sound
+            quality = Quality.COASTING if sound else Quality.SUSPECT
         elif self.filter.time < self._sound:
             return Standing(Quality.CONVERGING, Fault.STARTING, now, age)
         else:

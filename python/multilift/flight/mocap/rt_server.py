@@ -26,6 +26,10 @@ MOST_CLIENTS = 16
 _HIGH_WATER = 64 * 1024
 #: Answers that may wait for it before it is sent away, bytes.
 _MOST_WAITING = 1024 * 1024
+#: Requests that it may send at once; clients send one and wait.
+_MOST_AT_ONCE = 256
+#: How long it may take to read the last words, s.
+_LAST_WORDS = 2.0
 
 _GREETING = "QTM RT Interface connected"
 _VERSION = "multilift RT server"
@@ -38,7 +42,7 @@ class RTServer:
         names: of the bodies, in the order in which captures give them.
         rate: of capture as clients are told, Hz.
         counts: of what happened, by name: "clients", "refused", "malformed", "unknown",
-            "oversized", "dropped", "overfull".
+            "oversized", "flooded", "dropped", "overfull".
     """
 
     def __init__(self, names: Sequence[str], *, rate: float = 100.0) -> None:
@@ -81,7 +85,7 @@ class RTServer:
     async def stop(self) -> None:
         """Send everybody away; more than once does no harm."""
         for client in tuple(self._clients):
-            client.bye()
+            client.abort()
         if self._udp is not None:
             self._udp.close()
             self._udp = None
@@ -171,8 +175,7 @@ class _Client(asyncio.Protocol):
         if self._server.join(self):
             self._send(rt.text_packet(Packet.COMMAND, _GREETING))
         else:
-            self._send(rt.text_packet(Packet.ERROR, "Too many clients"))
-            transport.close()
+            self._dismiss("Too many clients")
 
     def connection_lost(self, error: Exception | None) -> None:
         del error
@@ -183,8 +186,11 @@ class _Client(asyncio.Protocol):
             requests = self._reader.feed(data)
         except rt.RequestError:
             self._server.counts["oversized"] += 1
-            self._send(rt.text_packet(Packet.ERROR, "Parse error"))
-            self.bye()
+            self._dismiss("Parse error")
+            return
+        if len(requests) > _MOST_AT_ONCE:
+            self._server.counts["flooded"] += 1
+            self._dismiss("Too many requests")
             return
         for request in requests:
             answer = self._answer(request)
@@ -226,22 +232,28 @@ class _Client(asyncio.Protocol):
         else:
             self._send(packet)
 
-    def bye(self) -> None:
-        """Close, once what was said has gone out."""
+    def abort(self) -> None:
+        """Close at once."""
         self._stream = None
-        self._waiting = None
         self._server.leave(self)
-        self._transport.close()
+        self._transport.abort()
 
     # What clients ask.
 
     def _send(self, packet: bytes) -> None:
         if self._transport.get_write_buffer_size() > _MOST_WAITING:
             self._server.counts["overfull"] += 1
-            self._server.leave(self)
-            self._transport.abort()
+            self.abort()
         else:
             self._transport.write(packet)
+
+    def _dismiss(self, why: str) -> None:
+        """Say why, and close; who does not read that is not waited for."""
+        self._stream = self._waiting = None
+        self._server.leave(self)
+        self._send(rt.text_packet(Packet.ERROR, why))
+        self._transport.close()
+        asyncio.get_running_loop().call_later(_LAST_WORDS, self._transport.abort)
 
     def _answer(self, request: rt.Request) -> bytes | None:
         try:
