@@ -172,11 +172,14 @@ def test_unreadable_files_are_named(tmp_path):
 
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, 1, -1, 0.5, 10**400])
+TEXTS = st.text(max_size=8) | st.sampled_from(["1 m", "px4", "udpin:1.1.1.1:1"])
 VALUES = st.recursive(
-    NUMBERS | st.booleans() | st.text(max_size=8) | st.sampled_from(["1 m", "px4", "udpin:1.1.1.1:1"]),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=2),
+    NUMBERS | st.booleans() | TEXTS,
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=2)
+    ),
     max_leaves=5,
-)  # fmt: skip
+)
 NAMES = sorted({f.name for t in TABLES.values() for f in t.fields})
 KEYS = st.sampled_from([*NAMES, *TABLES, "scenario", "schema", "title"]) | st.text(max_size=6)
 

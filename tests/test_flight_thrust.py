@@ -1,4 +1,4 @@
-"""Newtons to normalised thrust: hover, bounds, sagging batteries, and an estimate that converges."""
+"""Newtons to normalised thrust: hover, bounds, sagging batteries, an estimate that converges."""
 
 import math
 

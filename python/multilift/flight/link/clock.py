@@ -43,8 +43,9 @@ class ClockSync:
         """Takes in one exchange.
 
         Args:
-            sent, received: by our clock, s.
+            sent: by our clock, s.
             theirs: by their clock when they answered, s.
+            received: by our clock, s.
         """
         way = received - sent
         if not 0.0 <= way <= _SLOW:
@@ -61,7 +62,7 @@ class ClockSync:
         self._samples.append((way, offset))
 
     def _believed(self) -> list[float]:
-        quickest = sorted(self._samples)[: max(len(self._samples) // 4, 3)]
+        quickest = sorted(self._samples, key=lambda s: s[0])[: max(len(self._samples) // 4, 3)]
         return [offset for _way, offset in quickest]
 
     @property

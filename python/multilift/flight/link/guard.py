@@ -83,7 +83,8 @@ class Guard:
         """Lets only one sender through.
 
         Args:
-            system, component: ids of the autopilot.
+            system: id of the autopilot.
+            component: the same.
             signatures: without, signed frames pass unchecked and unsigned ones pass.
         """
         self.dropped: Counter[str] = Counter(dict.fromkeys(REASONS, 0))
@@ -114,29 +115,24 @@ class Guard:
                 yield message
 
     def _read(self, frame: bytes) -> tuple[str, Any]:
-        number = int.from_bytes(frame[7:10], "little")
-        kind = mavlink.mavlink_map.get(number)
-        if kind is None:
-            return "unknown", None
-        signature = _SIGNATURE if frame[2] & _SIGNED else 0
-        end = len(frame) - signature
-        crc = x25crc(frame[1 : end - _CHECKSUM] + bytes([kind.crc_extra])).crc
-        if struct.unpack_from("<H", frame, end - _CHECKSUM)[0] != crc:
-            return "malformed", None
-        if frame[1] > kind.unpacker.size:
-            return "oversized", None
-        if (frame[5], frame[6]) != (self._system, self._component):
-            return "alien", None
-        if self._signatures is not None:
-            reason = self._signatures.verdict(frame) if signature else "unsigned"
-            if reason:
-                return reason, None
-        if self._comes_again(frame[4]):
-            return "replayed", None
+        reason = _damage(frame) or self._stranger(frame)
+        if reason:
+            return reason, None
         try:
             return "", self._decoder.decode(bytearray(frame))
-        except (mavlink.MAVError, ValueError, UnicodeDecodeError, struct.error):
+        except (mavlink.MAVError, ValueError, struct.error):
             return "malformed", None
+
+    def _stranger(self, frame: bytes) -> str:
+        """Why a whole frame is not from our vehicle now, "" if it is."""
+        if (frame[5], frame[6]) != (self._system, self._component):
+            return "alien"
+        if self._signatures is not None:
+            is_signed = frame[2] & _SIGNED
+            reason = self._signatures.verdict(frame) if is_signed else "unsigned"
+            if reason:
+                return reason
+        return "replayed" if self._comes_again(frame[4]) else ""
 
     def _comes_again(self, count: int) -> bool:
         """Whether a frame was seen or is behind one that was, by the count that frames carry."""
@@ -161,3 +157,15 @@ def _length(data: bytes) -> int:
         return 0
     length = _HEADER + data[1] + _CHECKSUM + (_SIGNATURE if data[2] & _SIGNED else 0)
     return length if length <= len(data) else 0
+
+
+def _damage(frame: bytes) -> str:
+    """Why the bytes of a frame are no message, "" if they are one."""
+    kind = mavlink.mavlink_map.get(int.from_bytes(frame[7:10], "little"))
+    if kind is None:
+        return "unknown"
+    end = len(frame) - (_SIGNATURE if frame[2] & _SIGNED else 0)
+    crc = x25crc(frame[1 : end - _CHECKSUM] + bytes([kind.crc_extra])).crc
+    if struct.unpack_from("<H", frame, end - _CHECKSUM)[0] != crc:
+        return "malformed"
+    return "oversized" if frame[1] > kind.unpacker.size else ""
