@@ -1,4 +1,4 @@
-"""The supervisor: laws that hold whatever comes in, and the course of a flight where nothing does."""
+"""The supervisor: laws that hold whatever comes in, and the course of a flight without trouble."""
 
 import math
 from dataclasses import replace
@@ -108,7 +108,7 @@ BEFORE = [
     (seen(GROUND, GROUND | {"problems": ("COM_OF_LOSS_T is 1",)}), "COM_OF_LOSS_T"),
     (seen(GROUND, GROUND | {"link_age": math.inf}), "heartbeat"),
     (seen(GROUND, {}), "vehicle 2: is armed"),
-    (seen(GROUND, GROUND | {"position": (0.0, 0.0, 0.0)}), "close"),
+    (seen(GROUND, GROUND | {"position": (-0.5, 0.0, 2.0)}), "close"),
     (seen(GROUND, GROUND | {"position": (9.0, 0.0, 0.0)}), "fence"),
 ]
 

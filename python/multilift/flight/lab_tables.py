@@ -31,7 +31,8 @@ MOTION_CAPTURE = Table(
     "where poses come from",
     (
         Field("system", "twin: simulated; qualisys: its RT server; motioncapture: what that "
-              "library speaks to; autopilot: the vehicles' own estimate, the payload from capture", "text",
+              "library speaks to; autopilot: the vehicles' own estimate, the payload from capture",
+              "text",
               default="twin", choices=("twin", "qualisys", "motioncapture", "autopilot")),
         Field("kind", "which system, where motioncapture is to speak to it", "text", default="",
               choices=("", "vicon", "optitrack", "qualisys", "nokov", "vrpn", "motionanalysis",

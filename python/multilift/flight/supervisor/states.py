@@ -1,9 +1,11 @@
-"""The states of a flight and every way from one to another: data that runs, tests and the drawing
-in the documentation read alike.
+"""The states of a flight and every way from one to another.
+
+As data, which flights, tests and the drawing in the documentation all read.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from enum import Enum
@@ -86,7 +88,7 @@ TRANSITIONS = (
     Transition(State.ARMED, Event.ALL_ARMED, State.TAKE_OFF),
     *(Transition(State.ARMED, event, State.LAND)
       for event in (Event.TROUBLE, Event.HOLD_WORD, Event.LAND_WORD, Event.TOO_LONG)),
-    *(Transition(start, Event.DONE, end) for start, end in zip(COURSE, COURSE[1:], strict=False)),
+    *(Transition(start, Event.DONE, end) for start, end in itertools.pairwise(COURSE)),
     *(Transition(state, Event.TROUBLE, State.HOLD) for state in FLYING),
     *(Transition(state, Event.HOLD_WORD, State.HOLD)
       for state in FLYING if state not in (State.FLY, State.PAUSE)),

@@ -1,4 +1,7 @@
-"""What counts as trouble. Every comparison is written so that a value that is no number fails it."""
+"""What counts as trouble.
+
+Every comparison is written so that a value that is no number fails it.
+"""
 
 from __future__ import annotations
 
