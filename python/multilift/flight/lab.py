@@ -35,7 +35,7 @@ class LabVehicle:
         firmware: "px4" or "ardupilot".
         mass: kg.
         hover_thrust: normalised thrust at which it hovers alone.
-        thrust_curve: share of the square in thrust over command.
+        thrust_curve: PX4's THR_MDL_FAC, ArduPilot's MOT_THST_EXPO.
         battery_voltage: at which hover_thrust holds, V; 0 where it is not compensated.
         body: its name in motion capture.
     """
@@ -220,6 +220,8 @@ def _vehicle(k: int, values: Mapping[str, Any], flown: SpatialScenario, where: s
     plant, rotors = flown.plant, flown.vehicle
     mass = float(np.ravel(plant.vehicle_mass)[k])
     hover, curve = values["hover_thrust"], values["thrust_curve"]
+    if curve is None:
+        curve = float(np.ravel(flown.autopilot.thrust_curve)[k])
     checks.check_between(curve, 0.0, 1.0, where, f"{key}.thrust_curve")
     if hover is None:
         if address is not None:

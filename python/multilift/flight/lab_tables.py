@@ -17,8 +17,8 @@ VEHICLE = Table(
         Field("firmware", "of the autopilot", "text", default="px4", choices=("px4", "ardupilot")),
         Field("hover_thrust", "normalised thrust at which it hovers without load; left out: of the "
               "scenario's rotors, twins only", range="positive"),
-        Field("thrust_curve", "share of the square in thrust over command; 0: the autopilot makes "
-              "it straight", range="non_negative", default=0.0),
+        Field("thrust_curve", "its THR_MDL_FAC (PX4) or MOT_THST_EXPO (ArduPilot), 0 to 1; left "
+              "out: autopilot.thrust_curve of the scenario", range="non_negative"),
         Field("battery_voltage", "at which hover_thrust was measured; 0: not compensated here",
               unit="V", range="non_negative", default=0.0),
         Field("body", "its name in the motion capture system; left out: vehicle_1, vehicle_2, ...",

@@ -1,7 +1,7 @@
 """From newtons to an autopilot's normalised thrust and back, per vehicle, as its battery sags.
 
-Thrust over command u is ``full * (c u^2 + (1 - c) u)``; ``full`` falls with the square of the
-battery's voltage and is estimated while the vehicle hovers alone.
+Thrust is ``full`` times a share that follows from the command; ``full`` falls with the square of
+the battery's voltage and is estimated while the vehicle hovers alone.
 """
 
 from __future__ import annotations
@@ -23,17 +23,22 @@ _VOLTAGE_SMOOTHING = 2.0
 
 
 def command(share: float, curve: float) -> float:
-    """The command whose thrust is a share of the full one: c u^2 + (1 - c) u = share."""
-    if curve == 0.0:
-        return share
-    straight = 1.0 - curve
-    # In the form that loses no digits for a small share.
-    return 2.0 * share / (straight + math.sqrt(straight**2 + 4.0 * curve * share))
+    """The command whose thrust is a share of the full one; see `share`."""
+    speed = math.sqrt(share)
+    return curve * share + (1.0 - curve) * speed
 
 
 def share(u: float, curve: float) -> float:
-    """The share of the full thrust that a command gives."""
-    return curve * u * u + (1.0 - curve) * u
+    """The share of the full thrust that a command gives.
+
+    Flight stacks solve ``u = curve * w^2 + (1 - curve) * w`` for the rotors' signal w; thrust goes
+    with its square.
+    """
+    straight = 1.0 - curve
+    if straight == 0.0:
+        return u
+    # In the form that loses no digits for a small curve.
+    return (2.0 * u / (straight + math.sqrt(straight**2 + 4.0 * curve * u))) ** 2
 
 
 @dataclass
@@ -43,7 +48,7 @@ class ThrustMap:
     Attributes:
         weight: with which hover was measured, N.
         hover: command that holds it, at `voltage`.
-        curve: share of the square.
+        curve: PX4's THR_MDL_FAC, ArduPilot's MOT_THST_EXPO.
         voltage: of the battery at that time, V; 0 where it is not compensated.
     """
 
