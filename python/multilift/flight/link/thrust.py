@@ -111,8 +111,10 @@ class ThrustMap:
                 gravity's part), N.
             elapsed: since the last one, s.
         """
+        if not (0.0 <= u <= 1.0 and math.isfinite(newton)):
+            return
         part = share(u, self.curve)
-        if not (_LEAST_SHARE < part <= 1.0 and math.isfinite(newton)):
+        if part < _LEAST_SHARE:
             return
         # As shares of the full thrust: it drifts by 1 % in ten seconds; motion shows it to 10 %.
         self._variance += 1e-5 * elapsed

@@ -284,7 +284,7 @@ class TwinAutopilot:
     # What it hears.
 
     def _is_mine(self, message: Any) -> bool:
-        return message.target_system == self.system and message.target_component == 1
+        return bool(message.target_system == self.system and message.target_component == 1)
 
     def _hear_station(self, message: Any) -> None:
         self._station_at = self._now
