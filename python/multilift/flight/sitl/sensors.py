@@ -64,6 +64,10 @@ class Capture:
     angle_noise: float = math.radians(0.2)
 
 
+#: Sums of steps may lie this far before the instant that is meant, s.
+_ROUNDING = 1e-6
+
+
 class Sensors:
     """Those of one vehicle. Equal seeds, vehicles and instants give equal noise."""
 
@@ -127,7 +131,8 @@ class Sensors:
         """Takes a pose when one is due; gives the newest that has arrived."""
         capture = self._capture
         assert capture is not None
-        if time >= self._due:
+        now = time + _ROUNDING
+        if now >= self._due:
             self._due = max(self._due + capture.period, time)
             drawn = self._capture_random.standard_normal(6)
             pose = Pose(
@@ -136,7 +141,7 @@ class Sensors:
             )
             self._under_way.append((time + capture.delay, pose))
         arrived = None
-        while self._under_way and self._under_way[0][0] <= time:
+        while self._under_way and self._under_way[0][0] <= now:
             arrived = self._under_way.pop(0)[1]
         return arrived
 
