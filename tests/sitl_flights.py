@@ -52,16 +52,11 @@ def make(kind, path, first):
     return {"px4": firmwares.Px4, "ardupilot": firmwares.ArduPilot}[kind](path, first)
 
 
-def fly(kind, path, folder, monkeypatch, *, duration, targets=ABOVE, each=None, **changes):
+def run(kind, path, folder, *, duration, each=None, first=None):
     """Flies bar_from_floor by a firmware; the physics and the progress."""
-    scenario = ml.load("bar_from_floor").with_values(changes) if changes else (
-        ml.load("bar_from_floor")
-    )  # fmt: skip
-    first = free_instance()
-    monkeypatch.setenv("FAKE_FIRST", str(first))
-    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in targets))
+    scenario = ml.load("bar_from_floor")
+    firmware = make(kind, path, free_instance() if first is None else first)
     physics = Physics(scenario)
-    firmware = make(kind, path, first)
     with ExitStack() as stack:
         links = [stack.enter_context(closing(firmware.link(i))) for i in range(physics.count)]
         processes = stack.enter_context(firmwares.Processes(firmware, scenario, folder))
@@ -70,3 +65,11 @@ def fly(kind, path, folder, monkeypatch, *, duration, targets=ABOVE, each=None, 
         lockstep.connect()
         progress = lockstep.run(duration, each)
     return physics, progress
+
+
+def fly(kind, path, folder, monkeypatch, *, duration, targets=ABOVE, each=None):
+    """The same by fake firmware, which is told where to go."""
+    first = free_instance()
+    monkeypatch.setenv("FAKE_FIRST", str(first))
+    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in targets))
+    return run(kind, path, folder, duration=duration, each=each, first=first)
