@@ -78,11 +78,10 @@ def test_ardupilot_is_told_all_by_arguments_and_a_file(tmp_path):
     file = sitl_flights.program(tmp_path, "ardupilot")
     command = firmwares.ArduPilot(file, first=4).command(SCENARIO, 1)
     words = " ".join(command.arguments)
-    for part in ("--model JSON:127.0.0.1", "--instance 5", "udpclient:127.0.0.1:14545",
+    for part in ("--model JSON:127.0.0.1", "--instance 5", "--sysid 6", "udpclient:127.0.0.1:14545",
                  "udpclient:127.0.0.1:14645", "--defaults defaults.parm"):  # fmt: skip
         assert part in words
     lines = command.files["defaults.parm"].splitlines()
-    assert "SYSID_THISMAV 6" in lines
     assert "GUID_OPTIONS 8" in lines
 
 
@@ -157,6 +156,29 @@ def test_the_command_flies_and_leaves_the_output(kind, tmp_path, monkeypatch):
     assert f"UDP port {14540 + first}" in result.stdout
     assert {p.name for p in (tmp_path / "kept").iterdir()} == {"vehicle_1", "vehicle_2"}
     assert (tmp_path / "kept/vehicle_1/output.txt").is_file()
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_the_command_is_interrupted_and_leaves_nobody_behind(how, tmp_path, monkeypatch):
+    file = sitl_flights.program(tmp_path / "fw", "px4")
+    first = sitl_flights.free_instance()
+    monkeypatch.setenv("FAKE_FIRST", str(first))
+    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in sitl_flights.ABOVE))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))
+    arguments = ["sitl", "--px4", str(file), "--first", str(first), "--logs", "kept"]
+    with subprocess.Popen(
+        [sys.executable, "-c", "from multilift.cli import main; main()", *arguments],
+        cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+    ) as ours:  # fmt: skip
+        theirs = pids(tmp_path / "kept", "output.txt")
+        assert ours.stdout is not None
+        for line in ours.stdout:
+            if "end with Ctrl-C" in line:
+                break
+        ours.send_signal(how)
+        assert "times real time" in ours.stdout.read().replace("\n", " ")
+        assert ours.wait() == 130
+    assert all(map(gone, theirs))
 
 
 @pytest.mark.parametrize(

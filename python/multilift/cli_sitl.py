@@ -90,8 +90,8 @@ def sitl(
             port = firmwares.GROUND_STATION_PORT + first + i
             _out.print(f"{link.name}: system id {first + i + 1}, MAVLink to UDP port {port}")
         lockstep.connect()
-        _out.print("All have been heard; end with Ctrl-C.")
         try:
+            _out.print("All have been heard; end with Ctrl-C.")
             lockstep.run(math.inf if duration is None else duration)
         finally:
             done = lockstep.progress

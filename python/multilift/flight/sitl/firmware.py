@@ -117,7 +117,6 @@ class ArduPilot:
         values = {
             **parameters.shipped("ardupilot"),
             **parameters.of_vehicle("ardupilot", scenario, index),
-            "SYSID_THISMAV": instance + 1,
         }
         home = geodesy.HOME
         return Command(
@@ -125,6 +124,7 @@ class ArduPilot:
                 str(self.program),
                 "--model", f"JSON:{LOOPBACK}",
                 "--instance", str(instance),
+                "--sysid", str(instance + 1),
                 "--home", f"{home.latitude},{home.longitude},{home.altitude},0",
                 "--defaults", "defaults.parm",
                 "--serial0", f"udpclient:{LOOPBACK}:{GROUND_STATION_PORT + instance}",
