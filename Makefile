@@ -17,7 +17,7 @@ help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
 	@echo "make test        all tests"
 	@echo "make test-ray    studies on a Ray cluster of two nodes, one of which is killed"
-	@echo "make fuzz        millions of messages that no motion capture client should send"
+	@echo "make fuzz        millions of messages that nobody should send, for every decoder"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -52,6 +52,7 @@ test-ray: $(VENV)/.with-test $(VENV)/.with-ray
 
 fuzz: $(VENV)/.with-test
 	$(BIN)/python tests/rt_fuzz.py
+	$(BIN)/python tests/fuzz_sitl.py 5000000 1
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check .

@@ -1,4 +1,4 @@
-"""The command line: ``multilift run | study | view | reproduce | check | scenarios | bench``."""
+"""The command line: ``multilift run | study | view | sitl | reproduce | check | bench | ...``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rich.table import Table
 
 import multilift as ml
 from multilift import library, storage
+from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
 from multilift.options import ControllerOption, ForceOption, SetOption, load_changed
@@ -95,6 +96,11 @@ app.command(
     epilog="Examples:  multilift view platform_turn  |  multilift view out/run --page run.html  |  "
     "multilift view cable_cut --gif cut.gif --save cut.rrd"
 )(view)
+
+app.command(
+    epilog="Examples:  multilift sitl --px4 ~/PX4-Autopilot  |  multilift sitl --ardupilot "
+    "~/ardupilot --speed 0 --logs out/sitl  |  multilift sitl my.toml --px4 PATH --no-vision"
+)(sitl)
 
 
 @app.command(

@@ -1,0 +1,1 @@
+"""Real autopilot firmware flies the simulated vehicles: one physics process serves them all."""
