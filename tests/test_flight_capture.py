@@ -1,6 +1,7 @@
 """The maker's client and `motioncapture` against our RT server, each in a process of its own."""
 
 import asyncio
+import contextlib
 import fcntl
 import math
 import tempfile
@@ -190,8 +191,11 @@ def test_who_reads_late_reads_new():
 
 def test_a_packet_without_size_stalls_the_makers_client_and_not_us():
     async def test():
+        victims = []
+
         async def lie(reader, writer):
             del reader
+            victims.append(writer)
             greeting = b"QTM RT Interface connected\0"
             writer.write((8 + len(greeting)).to_bytes(4, "little") + b"\1\0\0\0" + greeting)
             writer.write(bytes(8))
@@ -203,6 +207,10 @@ def test_a_packet_without_size_stalls_the_makers_client_and_not_us():
         with pytest.raises(CaptureError, match="no frame within"):
             await source.open(timeout=2.0)
         server.close()
+        for writer in victims:
+            writer.close()
+            with contextlib.suppress(ConnectionError):
+                await writer.wait_closed()
 
     asyncio.run(asyncio.wait_for(test(), 60))
 

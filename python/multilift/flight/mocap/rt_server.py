@@ -50,6 +50,7 @@ class RTServer:
         self.rate = rate
         self.counts: Counter[str] = Counter()
         self._clients: set[_Client] = set()
+        self._dismissed: set[_Client] = set()
         self._latest: rt.Capture | None = None
         self._number = 0
         self._server: asyncio.Server | None = None
@@ -84,7 +85,7 @@ class RTServer:
 
     async def stop(self) -> None:
         """Send everybody away; more than once does no harm."""
-        for client in tuple(self._clients):
+        for client in (*self._clients, *self._dismissed):
             client.abort()
         if self._udp is not None:
             self._udp.close()
@@ -132,9 +133,15 @@ class RTServer:
         self._clients.add(client)
         return True
 
+    def dismiss(self, client: _Client) -> None:
+        """A client is to go, and counts no more; its connection lasts for its last words."""
+        self._clients.discard(client)
+        self._dismissed.add(client)
+
     def leave(self, client: _Client) -> None:
         """A client is gone."""
         self._clients.discard(client)
+        self._dismissed.discard(client)
 
     @property
     def latest(self) -> rt.Capture | None:
@@ -250,7 +257,7 @@ class _Client(asyncio.Protocol):
     def _dismiss(self, why: str) -> None:
         """Say why, and close; who does not read that is not waited for."""
         self._stream = self._waiting = None
-        self._server.leave(self)
+        self._server.dismiss(self)
         self._send(rt.text_packet(Packet.ERROR, why))
         self._transport.close()
         asyncio.get_running_loop().call_later(_LAST_WORDS, self._transport.abort)
