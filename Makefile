@@ -11,13 +11,14 @@ SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
   $(shell find core/include bindings python scenarios studies vehicles -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help reproduce test test-ray test-drake lint format bench bench-growth bench-study docs wheel clean
+.PHONY: help reproduce test test-ray test-drake fuzz lint format bench bench-growth bench-study docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
 	@echo "make test        all tests"
 	@echo "make test-ray    studies on a Ray cluster of two nodes, one of which is killed"
 	@echo "make test-drake  flights against a second multibody engine, Drake"
+	@echo "make fuzz        millions of messages that no motion capture client should send"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -52,6 +53,9 @@ test-ray: $(VENV)/.with-test $(VENV)/.with-ray
 
 test-drake: $(VENV)/.with-test $(VENV)/.with-drake
 	$(BIN)/python -m pytest tests/test_spatial_drake.py
+
+fuzz: $(VENV)/.with-test
+	$(BIN)/python tests/rt_fuzz.py
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check .

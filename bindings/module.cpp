@@ -7,6 +7,8 @@ void bind_planar_model(nanobind::module_& m);
 void bind_planar_control(nanobind::module_& m);
 void bind_planar_rollout(nanobind::module_& m);
 void bind_spatial_rollout(nanobind::module_& m);
+void bind_spatial_law(nanobind::module_& m);
+void bind_spatial_world(nanobind::module_& m);
 void bind_planar_counting(nanobind::module_& m);
 }  // namespace multilift::bindings
 
@@ -41,5 +43,7 @@ NB_MODULE(_core, m) {
   multilift::bindings::bind_planar_control(m);
   multilift::bindings::bind_planar_rollout(m);
   multilift::bindings::bind_spatial_rollout(m);
+  multilift::bindings::bind_spatial_law(m);
+  multilift::bindings::bind_spatial_world(m);
   multilift::bindings::bind_planar_counting(m);
 }

@@ -207,25 +207,26 @@ void with_kinds(const Frame& frame, F&& f) {
     with.template operator()<sp::IdealVehicles<R>>();
 }
 
+/// Calls f with what drives the problem's vehicles.
+template <Real R, class Vehicles, class Cables, class F>
+void with_actuation(const Frame& frame, const Problem<R, Vehicles, Cables>& problem, F&& f) {
+  const auto& setup = problem.setup;
+  if constexpr (std::is_same_v<Vehicles, sp::Quadrotors<R>>)
+    f(sp::Autopilots<R>(*problem.autopilot, setup.vehicles.parameters(),
+                        sp::hover_forces(setup.assumed, setup.formation), frame.autopilot_steps,
+                        frame.timing.step));
+  else
+    f(sp::DirectForce<R>());
+}
+
 /// Runs a problem under a law; see sp::Rollout::run.
 template <Real R, class Vehicles, class Cables, class Record, class Finish>
 void run_problem(const Frame& frame, Problem<R, Vehicles, Cables>& problem, sp::Law<R>& law,
                  Record&& record, Finish&& finish) {
-  auto& setup = problem.setup;
-  const auto go = [&]<class Actuation>(Actuation actuation) {
-    sp::Rollout<R, Vehicles, Cables, Actuation> rollout(setup, law, std::move(actuation));
+  with_actuation(frame, problem, [&]<class Actuation>(Actuation actuation) {
+    sp::Rollout<R, Vehicles, Cables, Actuation> rollout(problem.setup, law, std::move(actuation));
     rollout.run(record, finish);
-  };
-  if constexpr (std::is_same_v<Vehicles, sp::Quadrotors<R>>) {
-    std::vector<R> hover;
-    for (std::size_t i = 0; i < frame.n; ++i)
-      hover.push_back(setup.assumed.vehicle_mass[i] * setup.assumed.gravity +
-                      setup.formation.cable_force[i].z);
-    go(sp::Autopilots<R>(*problem.autopilot, setup.vehicles.parameters(), std::move(hover),
-                         frame.autopilot_steps, frame.timing.step));
-  } else {
-    go(sp::DirectForce<R>());
-  }
+  });
 }
 
 }  // namespace

@@ -145,6 +145,62 @@ def spatial_laws() -> dict:
 def spatial_describe(n: int, quadrotors: bool) -> dict:
     """Columns, metrics and audit entries: (name, unit, meaning) each."""
 
+class SpatialLaw:
+    """A compiled spatial law, stepped by whoever flies it."""
+
+    def __init__(self, frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def step(self, time: float, told: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], saturated: Sequence[bool], out: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')]) -> None:
+        """
+        One control period. told: vehicles (3n) | velocities (3n) | payload (13). out: forces (3n) | before limits (3n) | swing (n) | whether cut (n).
+        """
+
+    def target(self, time: float, out: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')]) -> None:
+        """
+        out: vehicles (3n) | velocities (3n) | payload, velocity, acceleration (9) | yaw, its rate.
+        """
+
+    def follow(self, frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None:
+        """Flies to the targets of another row."""
+
+    def set_points(self, force: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], yaw: float, hover_force: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], hover_thrust: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')]) -> None:
+        """out: attitudes (4n) | normalised thrusts (n)."""
+
+    @property
+    def hover_force(self) -> list[float]:
+        """Weight of each vehicle and its share of the load, N."""
+
+    @property
+    def drag_estimate(self) -> list[list[float]]:
+        """N s/m, of each vehicle."""
+
+class SpatialWorld:
+    """A spatial world, stepped from outside."""
+
+    def step_forces(self, force: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], yaw: float | None, steps: int) -> None:
+        """Forces (3n), N, held for integration steps."""
+
+    def step_set_points(self, wanted: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], steps: int) -> None:
+        """Of each vehicle an attitude (4) and a thrust."""
+
+    def step_motors(self, part: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], steps: int) -> None:
+        """Of each vehicle four parts of the greatest rotor speed."""
+
+    def fail(self, what: str, vehicle: int, rotor: int) -> None:
+        """Something breaks."""
+
+    def show(self, numbers: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')], flags: Annotated[NDArray[numpy.bool_], dict(shape=(None,), order='C', device='cpu')]) -> None:
+        """Fills the arrays with the present state."""
+
+    def incidents(self, first: int) -> list[tuple[float, str, int]]:
+        """Time, what and whose, from the given one on."""
+
+    @property
+    def status(self) -> str: ...
+
+def spatial_world(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int) -> SpatialWorld:
+    """A world at its start."""
+
 def planar_operations(law: str, row: Sequence[float], step: float, steps: int, control_steps: int) -> dict:
     """
     Operations of one run, by kind: add, multiply, divide, root, and other ones on numbers.

@@ -15,10 +15,12 @@ from multilift.errors import ScenarioError
 from multilift.models import Model
 from multilift.models.spatial import endings, laws, quantities, rows, vehicles
 from multilift.models.spatial.checks import MOST_MASS_RATIO
+from multilift.models.spatial.flying import FlyingLaw
 from multilift.models.spatial.formation import BALANCE_TOLERANCE
 from multilift.models.spatial.run import SpatialRun
 from multilift.models.spatial.scenario import SpatialScenario
 from multilift.models.spatial.tables import LAWS, MOTION_CAPTURE, TABLES
+from multilift.models.spatial.world import SpatialWorld
 from multilift.overrides import Columns
 from multilift.quantities import Quantities
 from multilift.run import Run
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from multilift.replay.scene import Scene
+
+__all__ = ["MODEL", "FlyingLaw", "Spatial", "SpatialWorld"]
 
 
 class Spatial(Model):
@@ -71,14 +75,11 @@ class Spatial(Model):
         return SpatialRun
 
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> SpatialRun:
-        columns, worlds = Columns(scenario, None, 1), np.zeros(1, dtype=np.intp)
-        table, seeds = rows.rows(columns, worlds)
-        told = not rows.ideal_worlds(columns)[0]
-        frame = _core.SpatialFrame(**rows.frame(scenario, Steps.of(scenario), motion_capture=told))
+        frame, row, seed = rows.problem(scenario)
         own = None
         if isinstance(law, PythonLaw):
             own = laws.callback(law, cast("SpatialScenario", scenario))
-        result = _core.spatial_run(frame, table[0], int(seeds[0]), own)
+        result = _core.spatial_run(_core.SpatialFrame(**frame), row, seed, own)
         return SpatialRun(scenario, law, {**result, "culprit": -1})
 
     def culprits(self, scenario: Scenario) -> int:

@@ -126,6 +126,14 @@ def rows(columns: Columns, worlds: Worlds) -> tuple[Array, NDArray[np.uint64]]:
     return table, layout.seeds(columns, worlds)
 
 
+def problem(scenario: Scenario) -> tuple[Mapping[str, Any], Array, int]:
+    """One world: the core's frame, its row and its seed."""
+    columns, worlds = Columns(scenario, None, 1), np.zeros(1, dtype=np.intp)
+    table, seeds = rows(columns, worlds)
+    told = not ideal_worlds(columns)[0]
+    return frame(scenario, Steps.of(scenario), motion_capture=told), table[0], int(seeds[0])
+
+
 def ideal_worlds(columns: Columns) -> NDArray[np.bool_]:
     """Which worlds' laws are told the truth, so that no motion capture is simulated."""
     ideal = np.ones(columns.count, dtype=bool)

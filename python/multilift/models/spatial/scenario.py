@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift import pushes, validation
+from multilift.errors import ScenarioError
 from multilift.models.spatial import checks, references, rows
 from multilift.models.spatial.formation import Rest
 from multilift.overrides import Columns
@@ -47,3 +48,24 @@ class SpatialScenario(Scenario):
     def count(self) -> int:
         """How many vehicles there are."""
         return int(self.values["plant"]["vehicles"])
+
+
+def spatial_only(scenario: Scenario, what: str) -> SpatialScenario:
+    """The scenario as a spatial one, for what knows no other plant.
+
+    Args:
+        scenario: of any model.
+        what: is asked for, to begin the error with.
+
+    Raises:
+        ScenarioError: for a scenario of another model.
+    """
+    if not isinstance(scenario, SpatialScenario):
+        raise ScenarioError(
+            f"is not the plant that {what} knows",
+            where=scenario.where,
+            key="plant.model",
+            value=scenario.model.name,
+            permitted="spatial",
+        )
+    return scenario

@@ -6,7 +6,10 @@
 // thrust by sqrt(1/2) for roll and pitch and by 1 for yaw, as PX4's quadrotor mixers do.
 #pragma once
 
+#include <utility>
+
 #include "multilift/control/spatial/law.hpp"
+#include "multilift/control/spatial/set_point.hpp"
 #include "multilift/model/spatial/quadrotor.hpp"
 
 namespace multilift::spatial {
@@ -61,36 +64,16 @@ struct AutopilotParameters {
   }
 };
 
-/// What the ground station sends to one vehicle.
+/// The scale of quadrotors of these numbers.
 template <Real R>
-struct AttitudeThrust {
-  Quaternion<R> attitude;  // of the body in W
-  R thrust{0.0};           // normalised, 0 to 1
-};
-
-/// The attitude that points body z along `force` and x along the heading before that tilt.
-template <Real R>
-MULTILIFT_INLINE Quaternion<R> attitude_along(const Vec3<R>& force, const R& size,
-                                              const SinCos<R>& half_yaw) {
-  const R inverse = R(1.0) / size;
-  const Vec3<R> up = inverse * force;
-  // The shortest turn from z to `up`.
-  const Quaternion<R> tilt = normalised(Quaternion<R>{R(1.0) + up.z, -up.y, up.x, R(0.0)});
-  return tilt * Quaternion<R>{half_yaw.cos, R(0.0), R(0.0), half_yaw.sin};
-}
-
-/// The normalised thrust that goes with a force of size f, N. With a hover thrust: straight through
-/// it, as flight stacks do; otherwise by the rotors' curve.
-template <Real R>
-MULTILIFT_INLINE R normalised_thrust(const R& force, const R& hover_force, const R& hover_thrust,
-                                     const R& greatest_force, const R& curve) {
-  const R zero(0.0), one(1.0);
-  const R share = force / greatest_force;
-  // The mixer's curve run backwards: (1 - c) t + c t^2 of the rotor speed gives the thrust share.
-  const R speed = sqrt(max(share, zero));
-  const R exact = (one - curve) * speed + curve * share;
-  const R through_hover = hover_thrust * force / hover_force;
-  return clamp(select(zero < hover_thrust, through_hover, exact), zero, one);
+ThrustScale<R> thrust_scale(const AutopilotParameters<R>& p,
+                            const typename Quadrotors<R>::Parameters& craft,
+                            std::vector<R> hover_force) {
+  ThrustScale<R> scale{std::move(hover_force), p.hover_thrust, {}, p.thrust_curve};
+  for (std::size_t i = 0; i < craft.size(); ++i)
+    scale.greatest.push_back(R(static_cast<double>(rotors)) * craft.thrust_coefficient[i] *
+                             square(craft.rotor_speed_max[i]));
+  return scale;
 }
 
 template <Real R>

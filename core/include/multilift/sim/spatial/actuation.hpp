@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "multilift/control/spatial/autopilot.hpp"
+#include "multilift/control/spatial/force_limits.hpp"
 #include "multilift/math/normal.hpp"
 #include "multilift/sim/lossy_line.hpp"
 #include "multilift/sim/steps.hpp"
@@ -30,25 +31,6 @@ struct LinkParameters {
       self.jitter);
     v(Field{"loss", "", Range::non_negative, "part of the commands that is lost, below 1"},
       self.loss);
-  }
-};
-
-template <Real R>
-struct LimitParameters {
-  explicit LimitParameters(std::size_t n)
-      : thrust_min(n, R(0.0)), thrust_max(n, R(unlimited)), tilt_max(n, R(std::numbers::pi / 2)) {}
-
-  std::vector<R> thrust_min, thrust_max, tilt_max;
-
-  template <class Self, class V>
-  static void visit(Self& self, V&& v) {
-    v(Field{"thrust_min", "N", Range::non_negative, "least force commanded of a vehicle"},
-      self.thrust_min);
-    v(Field{"thrust_max", "N", Range::positive, "greatest force commanded of a vehicle"},
-      self.thrust_max);
-    v(Field{"tilt_max", "rad", Range::positive,
-            "greatest angle of the commanded force from the vertical, at most pi/2"},
-      self.tilt_max);
   }
 };
 
@@ -82,33 +64,11 @@ class Transmission {
         jitter_(steps_of(link.jitter, step)),
         line_(steps_of(link.delay, step), start,
               room_under_way(longest_of(steps_of(link.delay, step)) + longest_of(jitter_),
-                             control_steps)) {
-    for (const R& tilt : limits.tilt_max) {
-      const auto [s, c] = sincos(tilt);
-      slope_max_.push_back(s / max(c, R(1e-12)));
-    }
-  }
+                             control_steps)) {}
 
-  /// Cuts `command` to the limits and sends it. Rotors do not pull down, and where the tilt is at
-  /// its limit the upright part of a force is kept and the sideways part cut, as autopilots do.
+  /// Cuts `command` to the limits and sends it.
   void send(long step, ForceCommand<R>& command, Masks<R>& saturated) {
-    const R zero(0.0), one(1.0);
-    for (std::size_t i = 0; i < command.force.size(); ++i) {
-      Vec3<R>& f = command.force[i];
-      const R up = max(f.z, zero);
-      const R side = sqrt(f.x * f.x + f.y * f.y);
-      const R bound = slope_max_[i] * up;
-      const R cut = select(bound < side, bound / max(side, R(1e-12)), one);
-      saturated[i].is = (f.z < zero) | (bound < side);
-      f = {cut * f.x, cut * f.y, up};
-      const R size = norm(f);
-      saturated[i].is =
-          saturated[i].is | (size < limits_.thrust_min[i]) | (limits_.thrust_max[i] < size);
-      const R wanted = clamp(size, limits_.thrust_min[i], limits_.thrust_max[i]);
-      const R stretch = wanted / max(size, R(1e-12));
-      // A force of no size has no direction: it becomes upright.
-      f = select<R>(R(1e-9) < size, stretch * f, {zero, zero, wanted});
-    }
+    limits_.cut(command.force, saturated);
     line_.send(step, command, fate(static_cast<std::uint64_t>(step)));
   }
 
@@ -131,10 +91,9 @@ class Transmission {
   }
 
   LinkParameters<R> link_;
-  LimitParameters<R> limits_;
+  ForceLimits<R> limits_;
   words_t<R> seeds_;
   StepsOf<R> jitter_;
-  std::vector<R> slope_max_;
   LossyLine<R, ForceCommand<R>> line_;
 };
 
@@ -158,34 +117,30 @@ class Autopilots {
   /// `hover_force` is each vehicle's and its share of the load's weight, N.
   Autopilots(const AutopilotParameters<R>& p, const typename Quadrotors<R>::Parameters& craft,
              std::vector<R> hover_force, long steps, double step)
-      : p_(p),
-        autopilot_(p, craft, step * static_cast<double>(steps)),
-        hover_force_(std::move(hover_force)),
-        steps_(steps) {
-    for (std::size_t i = 0; i < craft.size(); ++i)
-      greatest_.push_back(R(static_cast<double>(rotors)) * craft.thrust_coefficient[i] *
-                          square(craft.rotor_speed_max[i]));
-  }
+      : autopilot_(p, craft, step * static_cast<double>(steps)),
+        scale_(thrust_scale(p, craft, std::move(hover_force))),
+        steps_(steps) {}
 
   void drive(long step, const std::vector<Craft<R>>& craft, const ForceCommand<R>& command,
              std::vector<std::array<R, rotors>>& input) {
     if (step % steps_ != 0) return;
     const SinCos<R> half_yaw = sincos(R(0.5) * command.yaw);
-    for (std::size_t i = 0; i < craft.size(); ++i) {
-      const Vec3<R>& force = command.force[i];
-      const R size = max(norm(force), R(1e-9));
-      const AttitudeThrust<R> wanted{attitude_along(force, size, half_yaw),
-                                     normalised_thrust(size, hover_force_[i], p_.hover_thrust[i],
-                                                       greatest_[i], p_.thrust_curve[i])};
-      input[i] = autopilot_.step(i, craft[i], wanted);
-    }
+    for (std::size_t i = 0; i < craft.size(); ++i)
+      input[i] = autopilot_.step(i, craft[i], set_point(scale_, i, command.force[i], half_yaw));
+  }
+  /// The same from what the autopilots are sent.
+  void follow(long step, const std::vector<Craft<R>>& craft,
+              const std::vector<AttitudeThrust<R>>& wanted,
+              std::vector<std::array<R, rotors>>& input) {
+    if (step % steps_ != 0) return;
+    for (std::size_t i = 0; i < craft.size(); ++i)
+      input[i] = autopilot_.step(i, craft[i], wanted[i]);
   }
   const mask_t<R>& saturated(std::size_t i) const { return autopilot_.saturated(i); }
 
  private:
-  AutopilotParameters<R> p_;
   Autopilot<R> autopilot_;
-  std::vector<R> hover_force_, greatest_;
+  ThrustScale<R> scale_;
   long steps_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "multilift/control/spatial/target.hpp"
 #include "multilift/model/spatial/dynamics.hpp"
+#include "multilift/sim/spatial/clearance.hpp"
 #include "multilift/sim/spatial/stepper.hpp"
 
 namespace multilift::spatial {
@@ -16,44 +17,10 @@ namespace multilift::spatial {
 inline constexpr double swing_band = std::numbers::pi / 180.0;  // 1 degree, rad
 inline constexpr double position_band = 0.02;                   // m
 
-/// Integration steps between two measurements of distances, whose number grows with n squared.
-inline constexpr long distance_steps = 20;
-
 /// The arcsine of lanes or numbers in [0, 1], outside the hot loop.
 template <Real R>
 R arcsine(const R& x) {
   return atan2(x, sqrt(max(R(1.0) - x * x, R(0.0))));
-}
-
-/// The least distances between vehicles, and between a vehicle and another's whole cable, m.
-template <Real R>
-struct Clearance {
-  R vehicles{unlimited};
-  R cables{unlimited};
-};
-
-template <Real R, class V>
-Clearance<R> clearance_of(const Plant<R>& p, const State<R, V>& x, const Instant<R>& now,
-                          const Masks<R>& whole) {
-  const R zero(0.0), one(1.0);
-  Clearance<R> least_squared;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3<R> tie = x.payload.position + now.payload_turn.to_world(p.attachment[i]);
-    const Vec3<R> along = x.vehicle[i].position - tie;
-    const R inverse = one / max(dot(along, along), R(1e-12));
-    for (std::size_t j = 0; j < x.size(); ++j) {
-      if (j == i) continue;
-      const Vec3<R> from_tie = x.vehicle[j].position - tie;
-      const R part = clamp(dot(from_tie, along) * inverse, zero, one);
-      const Vec3<R> off = from_tie - part * along;
-      least_squared.cables =
-          min(least_squared.cables, select(whole[i].is, dot(off, off), R(unlimited)));
-      if (j > i) continue;
-      const Vec3<R> apart = x.vehicle[j].position - x.vehicle[i].position;
-      least_squared.vehicles = min(least_squared.vehicles, dot(apart, apart));
-    }
-  }
-  return {sqrt(least_squared.vehicles), sqrt(least_squared.cables)};
 }
 
 /// One sampling instant, as metrics and records see it.
