@@ -4,74 +4,31 @@ MuJoCo's rotors get the thrusts that ours have on the way; what they do to bodie
 cables to each other, is MuJoCo's. Its tendons are soft as in test_spatial_mujoco.py.
 """
 
-from functools import cache
-
 import numpy as np
 import pytest
-from spatial_flights import CRAFT, GRAVITY, fly, start, team
 from spatial_mujoco import bodies, engine
-from spatial_rows import vectors
+from spatial_rotors import (
+    DRAG,
+    DURATION,
+    RECORD,
+    ROTOR_DRAG,
+    our_flight,
+    our_rows,
+    quaternions,
+    rotor_speeds,
+    upright,
+)
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (multilift[test])")
-
-DURATION = 1.0  # s
-RECORD = 0.01  # s
-DRAG = {"payload_drag": 0.1, "vehicle_drag": 0.2}
-ROTOR_DRAG = 8e-5  # kg
-
-
-def craft_of(crew):
-    """The numbers that `fly` gives to vehicles, for the engine too."""
-    lift = 2.0 * (crew.mass * GRAVITY + crew.cable_force[:, 2])
-    return {
-        **CRAFT,
-        "inertia": np.outer(crew.mass, [0.0101, 0.0131, 0.0175]),
-        "thrust_coefficient": lift / 4 / CRAFT["rotor_speed_max"] ** 2,
-        "rotor_drag": ROTOR_DRAG,
-    }
-
-
-@cache
-def our_flight(n, slack, step):
-    """Team, start, craft, and the run with every step recorded."""
-    rng = np.random.default_rng(n)
-    crew = team(n, rng)
-    crew.plant.update(DRAG)
-    payload, vehicles = start(crew, rng)
-    if slack:
-        # Every other vehicle starts nearer to its attachment by 3 % of its cable.
-        for i in range(0, n, 2):
-            along = vehicles[i, :3] - payload[:3]
-            vehicles[i, :3] -= 0.03 * crew.length[i] * along / np.linalg.norm(along)
-    craft = craft_of(crew)
-    run = fly(crew, "geometric", {}, (payload, vehicles), seconds=DURATION, step=step,
-              control_steps=round(0.01 / step), craft=craft, record_steps=1)  # fmt: skip
-    assert run["status"] == "finished"
-    return crew, (payload, vehicles), craft, run
-
-
-def quaternions(columns, n):
-    return np.stack(
-        [[columns[f"vehicle{i + 1}_q{k}"] for k in "wxyz"] for i in range(n)]
-    )  # (n, 4, rows)
-
-
-def upright(q):
-    """The body's z axis in W of unit quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(q, -1, 0)
-    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)
 
 
 def engine_flight(n, slack, step, softness):
     """Positions of payload and vehicles, and the vehicles' z axes, every RECORD."""
     crew, (payload, vehicles), craft, run = our_flight(n, slack, step)
     model, data = engine(mujoco, crew.numbers, step, softness, craft)
-    columns = run["columns"]
-    speeds = np.stack(
-        [[columns[f"vehicle{i + 1}_rotor{k}"] for k in (1, 2, 3, 4)] for i in range(n)]
-    )
+    speeds = rotor_speeds(run["columns"], n)
     data.qpos[:7], data.qvel[:6] = payload[:7], payload[7:]
-    attitude = quaternions(columns, n)[:, :, 0]
+    attitude = quaternions(run["columns"], n)[:, :, 0]
     data.qpos[7:] = np.hstack([vehicles[:, :3], attitude]).ravel()
     data.qvel[6:] = np.hstack([vehicles[:, 3:], np.zeros((n, 3))]).ravel()
     rows = []
@@ -92,16 +49,6 @@ def engine_flight(n, slack, step, softness):
         data.xfrc_applied[1, :3] = -DRAG["payload_drag"] * data.qvel[:3]
         mujoco.mj_step(model, data)
     return np.array(rows)
-
-
-def our_rows(n, slack, step):
-    columns = our_flight(n, slack, step)[3]["columns"]
-    places = [vectors(columns, f"vehicle{i + 1}") for i in range(n)]
-    axes = list(upright(np.moveaxis(quaternions(columns, n), 1, 2)))
-    every = round(RECORD / step)
-    return np.hstack([vectors(columns, "payload"), *places, *axes])[::every][
-        : round(DURATION / RECORD) + 1
-    ]
 
 
 @pytest.mark.parametrize("n", [2, 3, 6])

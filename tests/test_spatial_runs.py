@@ -72,6 +72,15 @@ def test_worlds_that_hold_no_rest_are_refused_by_name():
         ml.simulate_batch(scenario, {"formation.tilt[0]": np.array([0.2, 0.2, 0.0])})
 
 
+@pytest.mark.parametrize("kind", ["ideal", "noisy"])
+def test_as_many_vehicles_as_may_be_fly_and_keep_the_audit(kind):
+    run = ml.simulate(plate(64, {**KINDS[kind], "plant.payload_mass": 20.0}))
+    assert run.status == "finished"
+    stored = max(abs(run.audit["storage_start"]), 1.0)
+    bound = 1e-4 if kind == "noisy" else 1e-8
+    assert run.audit["largest_integration_error"] < bound * stored
+
+
 def under_heavy_vehicles(ratio):
     """The PD law's plate of the vehicles' mass by a ratio, and what its cables pull in weights."""
     inertia = (np.array([0.1, 0.1, 0.18]) / ratio).tolist()
