@@ -99,7 +99,7 @@ def main() -> None:
     with given.table.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows({k: f"{v:.6g}" for k, v in row.items()} for row in rows)
+        writer.writerows({k: f"{v:.7g}" for k, v in row.items()} for row in rows)
     plot(rows, given.table.with_suffix(".png"))
 
 

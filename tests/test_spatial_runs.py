@@ -72,6 +72,32 @@ def test_worlds_that_hold_no_rest_are_refused_by_name():
         ml.simulate_batch(scenario, {"formation.tilt[0]": np.array([0.2, 0.2, 0.0])})
 
 
+def under_heavy_vehicles(ratio):
+    """The PD law's plate of the vehicles' mass by a ratio, and what its cables pull in weights."""
+    inertia = (np.array([0.1, 0.1, 0.18]) / ratio).tolist()
+    changes = {"plant.payload_mass": 1.486 / ratio, "plant.payload_inertia": inertia}
+    run = ml.simulate(plate(changes={**changes, "simulation.duration": 1.0}).with_law("pd"))
+    tensions = np.stack([run[f"tension{k}"] for k in (1, 2, 3)])
+    return run, tensions * ratio / (1.486 * 9.8)
+
+
+def test_tensions_under_vehicles_as_heavy_as_may_be_are_more_than_rounding():
+    runs, tensions = zip(*(under_heavy_vehicles(1e5 / k) for k in (100.0, 10.0, 1.0)), strict=True)
+    for run in runs:
+        assert run.audit["largest_integration_error"] < 1e-8 * run.audit["storage_start"]
+    # A load that weighs less disturbs its vehicles less: tensions approach their limit with the
+    # inverse of the ratio, in steps of (100 - 1) and (10 - 1), which any rounding would cover. What
+    # is left is of the next order, a thousandth.
+    far, near = (np.abs(each - tensions[2]).max() for each in tensions[:2])
+    assert near < 1e-4
+    assert far / near == pytest.approx(11.0, rel=0.01)
+
+
+def test_worlds_of_vehicles_too_heavy_for_their_load_are_refused_by_name():
+    with pytest.raises(ScenarioError, match="world 1"):
+        ml.simulate_batch(plate(), {"plant.payload_mass": np.array([1.0, 1e-9])})
+
+
 def test_a_path_of_its_own_is_no_override():
     scenario = plate(changes=KINDS["moving"])
     with pytest.raises(ScenarioError, match=r"goal\.payload_position"):

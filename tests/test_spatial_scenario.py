@@ -16,6 +16,7 @@ WRONG = [
     ({"plant.payload_inertia": [0.0, 0.1, 0.1]}, "plant.payload_inertia", "three moments > 0"),
     ({"plant.payload_inertia": [0.1, 0.1, 0.3]}, "plant.payload_inertia", "sum of the others"),
     ({"plant.payload_inertia": 0.0}, "plant.attachment", "all 0"),
+    ({"plant.payload_mass": 1e-5}, "plant.payload_mass", ">= 1.486e-05 kg"),
     ({"plant.cable_restitution": 1.5}, "plant.cable_restitution", "0 to 1"),
     ({"plant.gravity": 0.0}, "plant.gravity", "> 0"),
     ({"vehicle.kind": "helicopter"}, "vehicle.kind", "ideal, quadrotor"),

@@ -14,6 +14,7 @@ from multilift.controllers import CompiledLaw, PythonLaw
 from multilift.errors import ScenarioError
 from multilift.models import Model
 from multilift.models.spatial import endings, gradient, laws, quantities, rows, vehicles
+from multilift.models.spatial.checks import MOST_MASS_RATIO
 from multilift.models.spatial.flying import FlyingLaw
 from multilift.models.spatial.formation import BALANCE_TOLERANCE
 from multilift.models.spatial.run import SpatialRun
@@ -94,7 +95,7 @@ class Spatial(Model):
     def check_worlds(self, columns: Columns) -> None:
         with np.errstate(all="ignore"):  # what is not finite is caught by the comparisons
             bad = layout.bad_timing(columns) | pushes.bad_worlds(columns)
-            bad |= _bad_rest(columns)
+            bad |= _bad_rest(columns) | _too_heavy(columns)
         layout.refuse_first(columns, bad)
         _refuse_moved_paths(columns)
 
@@ -140,6 +141,12 @@ def _bad_rest(columns: Columns) -> NDArray[np.bool_]:
         excess = rows.cable_lengths(block, payload, places) - block.numbers("plant", "cable_length")
         bad |= ~(excess.max(axis=1) <= 1e-6)
     return np.asarray(bad)
+
+
+def _too_heavy(columns: Columns) -> NDArray[np.bool_]:
+    """Worlds in which a vehicle is so heavy beside the payload that tensions are lost."""
+    heaviest = columns.numbers("plant.vehicle_mass").max(axis=1)
+    return np.asarray(~(heaviest <= MOST_MASS_RATIO * columns.numbers("plant.payload_mass")))
 
 
 def _refuse_moved_paths(columns: Columns) -> None:

@@ -14,6 +14,11 @@ from multilift.errors import ScenarioError
 from multilift.models.spatial import tables
 from multilift.models.spatial.formation import BALANCE_TOLERANCE, Rest
 
+#: The greatest mass of a vehicle per payload mass. Tensions under heavy vehicles are small
+#: differences of large numbers, in equations whose condition is this ratio too: their rounding
+#: goes with its square, 1e-6 of a tension here and all of it a thousand times further on.
+MOST_MASS_RATIO = 1e5
+
 
 def check_kind(values: dict[str, Any], where: str) -> None:
     """A quadrotor needs all of its numbers."""
@@ -72,7 +77,7 @@ def _check_below(values: dict[str, Any], where: str, key: str, most: float) -> N
 
 
 def check_payload(values: dict[str, Any], where: str) -> None:
-    """An inertia that no body has, or a point with cables that are not at its centre."""
+    """A mass or an inertia that no load has, or a point with cables that are not at its centre."""
     plant = values["plant"]
     inertia, attachment = np.array(plant["payload_inertia"]), np.array(plant["attachment"])
     point = (inertia == 0).all()
@@ -85,6 +90,16 @@ def check_payload(values: dict[str, Any], where: str) -> None:
             permitted="all 0 where plant.payload_inertia is 0",
             advice="give the payload its moments of inertia; a thin bar has a small one about "
             "itself",
+        )
+    heaviest = max(plant["vehicle_mass"])
+    if not heaviest <= MOST_MASS_RATIO * plant["payload_mass"]:
+        raise ScenarioError(
+            f"is so light beside a vehicle of {heaviest:g} kg that tensions are lost in rounding",
+            where=where,
+            key="plant.payload_mass",
+            value=plant["payload_mass"],
+            permitted=f">= {heaviest / MOST_MASS_RATIO:g} kg",
+            advice="leave out what weighs nothing, or make the vehicles lighter",
         )
     largest = inertia.max()
     if not point and ((inertia <= 0).any() or 2 * largest > inertia.sum() * (1 + 1e-9)):

@@ -8,7 +8,7 @@ namespace multilift::spatial {
 /// Integration steps between two measurements of distances, whose number grows with n squared.
 inline constexpr long distance_steps = 20;
 
-/// The least distances between vehicles, and between a vehicle and another's cable, m.
+/// The least distances between vehicles, and between a vehicle and another's whole cable, m.
 template <Real R>
 struct Clearance {
   R vehicles{unlimited};
@@ -16,7 +16,8 @@ struct Clearance {
 };
 
 template <Real R, class V>
-Clearance<R> clearance_of(const Plant<R>& p, const State<R, V>& x, const Instant<R>& now) {
+Clearance<R> clearance_of(const Plant<R>& p, const State<R, V>& x, const Instant<R>& now,
+                          const Masks<R>& whole) {
   const R zero(0.0), one(1.0);
   Clearance<R> least_squared;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -28,7 +29,8 @@ Clearance<R> clearance_of(const Plant<R>& p, const State<R, V>& x, const Instant
       const Vec3<R> from_tie = x.vehicle[j].position - tie;
       const R part = clamp(dot(from_tie, along) * inverse, zero, one);
       const Vec3<R> off = from_tie - part * along;
-      least_squared.cables = min(least_squared.cables, dot(off, off));
+      least_squared.cables =
+          min(least_squared.cables, select(whole[i].is, dot(off, off), R(unlimited)));
       if (j > i) continue;
       const Vec3<R> apart = x.vehicle[j].position - x.vehicle[i].position;
       least_squared.vehicles = min(least_squared.vehicles, dot(apart, apart));

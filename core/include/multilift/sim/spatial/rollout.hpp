@@ -124,7 +124,7 @@ class Rollout {
   }
 
   mask_t<R> keep_clear(const Instant<R>& now) {
-    const Clearance<R> found = clearance_of(s_.plant, x_, now);
+    const Clearance<R> found = world_.clearance(now);
     metrics_.keep_clearance(found);
     return world_.collided(found);
   }

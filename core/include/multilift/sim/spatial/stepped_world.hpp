@@ -131,9 +131,7 @@ class SteppedWorld {
     return felt;
   }
 
-  Clearance<double> clearance() const {
-    return clearance_of(world_.setup().plant, world_.x(), *now_);
-  }
+  Clearance<double> clearance() const { return world_.clearance(*now_); }
 
  private:
   template <class DriveOn>
@@ -199,8 +197,7 @@ class SteppedWorld {
   void check(const Instant<double>& now) {
     if (!world_.bounded(now))
       ended_ = Status::diverged;
-    else if (k_ % distance_steps == 0 &&
-             world_.collided(clearance_of(world_.setup().plant, world_.x(), now)))
+    else if (k_ % distance_steps == 0 && world_.collided(world_.clearance(now)))
       ended_ = Status::collision;
     if (ended_) tell(multilift::name_of(*ended_), -1);
   }

@@ -114,6 +114,7 @@ class Stepper {
   }
 
   const Masks<R>& taut() const { return taut_; }
+  const Masks<R>& whole() const { return whole_; }  // those not cut
   const CableEvents<R>& events() const { return events_; }
   const Dynamics& dynamics() const { return dynamics_; }
 

@@ -104,6 +104,9 @@ class World {
   std::vector<Input>& input() { return input_; }
   const std::vector<Input>& input() const { return input_; }
   const Surroundings<R>& outside() const { return outside_; }
+  Clearance<R> clearance(const Instant<R>& now) const {
+    return clearance_of(s_.plant, x_, now, stepper_.whole());
+  }
   const Stepper<R, D>& stepper() const { return stepper_; }
 
  private:

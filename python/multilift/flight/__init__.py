@@ -1,0 +1,1 @@
+"""The flight program: motion capture in, MAVLink out, real or simulated autopilots in the loop."""
