@@ -118,7 +118,7 @@ sp::Craft<R> start_of(const sp::Quadrotors<R>& kind, std::size_t i, const Vec3<R
   return craft;
 }
 
-/// The problem of one world or of several side by side, and its gains' column.
+/// The problem of one world or of several side by side, and its law.
 template <Real R, class Vehicles, class Cables>
 struct Problem {
   sp::Setup<R, Vehicles, Cables> setup;
@@ -126,20 +126,20 @@ struct Problem {
   std::unique_ptr<sp::Law<R>> law;
 };
 
-template <class P>
-P take(const Rows& rows, std::size_t& column, std::size_t n) {
+template <class P, class Columns>
+P take(const Columns& rows, std::size_t& column, std::size_t n) {
   if constexpr (std::is_default_constructible_v<P>)
     return unpack<P>(rows, column);
   else
     return unpack<P>(rows, column, n);
 }
 
-template <Real R, class Vehicles, class Cables>
-Problem<R, Vehicles, Cables> problem_from(const Frame& frame, const Rows& rows,
+template <Real R, class Vehicles, class Cables, class Columns = Rows>
+Problem<R, Vehicles, Cables> problem_from(const Frame& frame, const Columns& rows,
                                           const typename sp::MotionCapture<R>::Seeds& seeds) {
   const std::size_t n = frame.n;
   std::size_t column = 0;
-  const auto number = [&] { return rows.at<R>(column++); };
+  const auto number = [&] { return rows.template at<R>(column++); };
   const auto vector = [&]() -> Vec3<R> { return {number(), number(), number()}; };
   const auto plant = take<sp::Parameters<R>>(rows, column, n);
   const auto assumed = take<sp::Parameters<R>>(rows, column, n);

@@ -5,9 +5,9 @@ import itertools
 import multilift as ml
 import numpy as np
 import pytest
-from multilift.gradient import WITHOUT_DERIVATIVE, _layout, _tangent
 from multilift.isa import VARIABLE, available
 from multilift.models.planar import quantities
+from multilift.models.planar.gradient import WITHOUT_DERIVATIVE, numbers, tangent
 from multilift.models.planar.quantities import FINAL_STATE
 
 # Unlike numbers everywhere, so that no derivative is zero or right by symmetry. The half sine
@@ -66,7 +66,7 @@ def scenario_of(law, *tables):
 
 def scalar_keys(scenario):
     """Every scalar of the scenario that the simulation reads, with index."""
-    _, sources = _layout(scenario)
+    _, sources = numbers(scenario)
     keys = dict.fromkeys(itertools.chain.from_iterable(map(sorted, sources)))
     on_points = [k for k, p in enumerate(scenario["push"]) if p["body"] != "bar"]
     # A torque on a point mass is refused.
@@ -77,7 +77,7 @@ def differentiable(scenario):
     keys = []
     for key in scalar_keys(scenario):
         try:
-            _tangent(scenario, key, _layout(scenario)[1])
+            tangent(scenario, key, numbers(scenario)[1])
         except ml.ScenarioError:
             continue
         keys.append(key)
@@ -85,7 +85,7 @@ def differentiable(scenario):
 
 
 def value_of(scenario, key):
-    values, sources = _layout(scenario)
+    values, sources = numbers(scenario)
     return next(x for x, names in zip(values, sources, strict=True) if key in names)
 
 

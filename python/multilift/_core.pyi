@@ -201,6 +201,11 @@ class SpatialWorld:
 def spatial_world(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int) -> SpatialWorld:
     """A world at its start."""
 
+def spatial_gradient(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int, tangents: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> dict:
+    """
+    A run's final state, metrics and audit, and row by row their derivatives along each row of tangents. Releases the GIL.
+    """
+
 def planar_operations(law: str, row: Sequence[float], step: float, steps: int, control_steps: int) -> dict:
     """
     Operations of one run, by kind: add, multiply, divide, root, and other ones on numbers.

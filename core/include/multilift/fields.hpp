@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "multilift/math/vec2.hpp"
@@ -106,14 +107,15 @@ struct Rows {
   }
 };
 
-/// Fills a parameter struct from count_scalars<P>(size...) columns of the rows, and moves `column`
-/// on.
-template <class P, class... Size>
-P unpack(const Rows& rows, std::size_t& column, Size... size) {
+/// Fills a parameter struct from count_scalars<P>(size...) columns of Rows, or of what offers the
+/// same, and moves `column` on.
+template <class P, class Columns, class... Size>
+  requires(!std::is_pointer_v<Columns>)
+P unpack(const Columns& rows, std::size_t& column, Size... size) {
   P parameters(size...);
   P::visit(parameters, [&](const Field&, auto& member) {
     for_each_scalar(member, [&](auto& scalar) {
-      scalar = rows.at<std::remove_reference_t<decltype(scalar)>>(column++);
+      scalar = rows.template at<std::remove_reference_t<decltype(scalar)>>(column++);
     });
   });
   return parameters;

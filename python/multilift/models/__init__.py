@@ -74,6 +74,7 @@ class Model(ABC):
         clock: keys that set when things happen; worlds that agree in all of them share a rollout.
         delays: keys of times that count whole integration steps, none permitted.
         random_keys: keys of numbers that, where not 0, let a run draw from ``simulation.seed``.
+        without_derivative: metrics that count integration steps, so that they stand still and jump.
         described: what runs return, for the reference page; where names depend on the scenario, one
             stands for all of its kind.
         study_metrics: what a study summarises unless it says otherwise.
@@ -94,6 +95,7 @@ class Model(ABC):
     )
     delays: tuple[str, ...] = ()
     random_keys: tuple[str, ...] = ()
+    without_derivative: tuple[str, ...] = ()
     described: Quantities
     study_metrics: tuple[str, ...]
 
@@ -236,6 +238,20 @@ class Model(ABC):
     def view(self) -> View:
         """What the report's animation and curves show of a run, if the model has such a page."""
         raise NotImplementedError(f"the model {self.name!r} has no report page")
+
+    def differentiate(self, scenario: Scenario, keys: Sequence[str]) -> Mapping[str, Any]:
+        """A run over dual numbers, for `multilift.gradient`; not every model has one.
+
+        Returns:
+            "status", "culprit" and "end_time" as of a run; "values": final state, metrics and audit
+            entries in the order of ``scenario.quantities``; "derivatives" of each, key by key.
+
+        Raises:
+            ScenarioError: for keys along which there are no derivatives.
+        """
+        raise ScenarioError(
+            "has no derivatives", where=scenario.where, key="plant.model", value=self.name
+        )
 
     def closed_loop_matrix(self, scenario: Scenario) -> NDArray[np.float64]:
         """See `multilift.linear.closed_loop_matrix`; not every model has one."""

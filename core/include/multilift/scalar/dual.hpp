@@ -108,4 +108,7 @@ double value(const Dual<N>& a) {
   return a.x;
 }
 
+template <int N>
+inline constexpr bool differentiates<Dual<N>> = true;
+
 }  // namespace multilift

@@ -36,6 +36,10 @@ inline bool all(bool mask) { return mask; }
 /// The plain double behind a scalar of one world; for dual numbers it drops the derivatives.
 inline double value(double x) { return x; }
 
+/// Whether a scalar carries derivatives along.
+template <class R>
+inline constexpr bool differentiates = false;
+
 /// How many worlds a scalar carries side by side, and what each of them sees as its scalar.
 template <class R>
 inline constexpr int lanes_of = 1;
@@ -68,7 +72,10 @@ using words_t = typename WordsOf<R>::type;
 inline std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 template <class R>
 MULTILIFT_INLINE R from_bits(const words_t<R>& bits) {
-  return std::bit_cast<R>(bits);
+  if constexpr (sizeof(R) == sizeof(bits))
+    return std::bit_cast<R>(bits);
+  else
+    return R(std::bit_cast<double>(bits));  // more than a number: it has no derivatives
 }
 
 template <class R>

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from multilift.controllers import CompiledLaw, PythonLaw
 from multilift.models import Model
-from multilift.models.planar import endings, layout, linear, quantities, rollout
+from multilift.models.planar import endings, gradient, layout, linear, quantities, rollout
 from multilift.models.planar.run import PlanarRun
 from multilift.models.planar.scenario import PlanarScenario, planar_only
 from multilift.models.planar.tables import LAWS, SENSORS, TABLES
@@ -41,6 +41,7 @@ class Planar(Model):
     clock = (*Model.clock, "sensors.period")
     delays = ("actuators.command_delay", "sensors.period", "sensors.delay")
     random_keys = tuple(f"sensors.{f.name}" for f in SENSORS.fields if f.name.endswith("noise"))
+    without_derivative = gradient.WITHOUT_DERIVATIVE
     described = quantities.QUANTITIES
     study_metrics = ("peak_swing_1", "peak_swing_2", "swing_settling_time",
                      "position_settling_time", "storage_rise")  # fmt: skip
@@ -58,6 +59,9 @@ class Planar(Model):
 
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> PlanarRun:
         return rollout.simulate(planar_only(scenario, "the planar rollout"), law)
+
+    def differentiate(self, scenario: Scenario, keys: Sequence[str]) -> Mapping[str, Any]:
+        return gradient.differentiate(planar_only(scenario, "multilift.gradient"), keys)
 
     def culprits(self, scenario: Scenario) -> int:
         return endings.CULPRITS

@@ -13,12 +13,12 @@ from multilift import _core, layout, pushes
 from multilift.controllers import CompiledLaw, PythonLaw
 from multilift.errors import ScenarioError
 from multilift.models import Model
-from multilift.models.spatial import endings, laws, quantities, rows, vehicles
+from multilift.models.spatial import endings, gradient, laws, quantities, rows, vehicles
 from multilift.models.spatial.checks import MOST_MASS_RATIO
 from multilift.models.spatial.flying import FlyingLaw
 from multilift.models.spatial.formation import BALANCE_TOLERANCE
 from multilift.models.spatial.run import SpatialRun
-from multilift.models.spatial.scenario import SpatialScenario
+from multilift.models.spatial.scenario import SpatialScenario, spatial_only
 from multilift.models.spatial.tables import LAWS, MOTION_CAPTURE, TABLES
 from multilift.models.spatial.world import SpatialWorld
 from multilift.overrides import Columns
@@ -54,6 +54,7 @@ class Spatial(Model):
         "motion_capture.dropout",
         *(f"motion_capture.{f.name}" for f in MOTION_CAPTURE.fields if f.name.endswith("noise")),
     )
+    without_derivative = gradient.WITHOUT_DERIVATIVE
     described = quantities.quantities(2, quadrotors=True)
     study_metrics = ("peak_swing", "swing_settling_time", "position_settling_time",
                      "payload_error_rms", "storage_rise")  # fmt: skip
@@ -81,6 +82,9 @@ class Spatial(Model):
             own = laws.callback(law, cast("SpatialScenario", scenario))
         result = _core.spatial_run(_core.SpatialFrame(**frame), row, seed, own)
         return SpatialRun(scenario, law, {**result, "culprit": -1})
+
+    def differentiate(self, scenario: Scenario, keys: Sequence[str]) -> Mapping[str, Any]:
+        return gradient.differentiate(spatial_only(scenario, "multilift.gradient"), keys)
 
     def culprits(self, scenario: Scenario) -> int:
         return 1

@@ -52,11 +52,7 @@ def rest(
         azimuth: to where they lean, NaN for outwards, shape (worlds, n), rad.
         stiffness: of elastic cables, shape (worlds, n), N/m; None for rigid ones.
     """
-    n = tilt.shape[1]
-    outwards = np.arctan2(attachment[..., 1], attachment[..., 0])
-    central = np.hypot(attachment[..., 0], attachment[..., 1]) < 1e-9
-    outwards = np.where(central, 2.0 * np.pi * np.arange(n) / n, outwards)
-    azimuth = np.where(np.isnan(azimuth), outwards, azimuth)
+    azimuth = azimuths(attachment, azimuth)
     direction = np.stack(
         [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)], axis=-1
     )
@@ -75,3 +71,16 @@ def rest(
         np.abs(left).max(axis=1) / np.where(weight > 0, weight, 1.0),
         tension.min(axis=1),
     )
+
+
+def azimuths(attachment: Array, azimuth: Array) -> Array:
+    """To where each cable leans: as given, outwards where NaN is; shape (worlds, n), rad."""
+    n = azimuth.shape[1]
+    outwards = np.arctan2(attachment[..., 1], attachment[..., 0])
+    outwards = np.where(central(attachment), 2.0 * np.pi * np.arange(n) / n, outwards)
+    return np.where(np.isnan(azimuth), outwards, azimuth)
+
+
+def central(attachment: Array) -> NDArray[np.bool_]:
+    """Which cables are tied above or below the payload's centre, shape (worlds, n)."""
+    return np.asarray(np.hypot(attachment[..., 0], attachment[..., 1]) < 1e-9)

@@ -41,10 +41,10 @@ class Block:
         return self.flat(table, (field,)).reshape(len(self.worlds), *field.dims)
 
 
-def rest_of(block: Block) -> Rest:
-    """The formations of some worlds at rest."""
+def hanging(block: Block) -> tuple[Array, Array, Array, Array, Array, Array, Array | None]:
+    """What `formation.rest` takes, of some worlds."""
     elastic = block.columns.scenario["plant.cables"] == "elastic"
-    return formation.rest(
+    return (
         block.numbers("plant", "payload_mass"),
         block.numbers("plant", "gravity"),
         block.numbers("plant", "attachment"),
@@ -53,6 +53,11 @@ def rest_of(block: Block) -> Rest:
         block.numbers("formation", "azimuth"),
         block.numbers("plant", "cable_stiffness") if elastic else None,
     )
+
+
+def rest_of(block: Block) -> Rest:
+    """The formations of some worlds at rest."""
+    return formation.rest(*hanging(block))
 
 
 def starts(block: Block, rest: Rest) -> tuple[Array, Array]:
@@ -64,7 +69,7 @@ def starts(block: Block, rest: Rest) -> tuple[Array, Array]:
     payload[:, 0:3] = position
     payload[:, 3], payload[:, 6] = np.cos(yaw / 2), np.sin(yaw / 2)
     payload[:, 7:10], payload[:, 10:13] = velocity, rate
-    offset = np.einsum("wij,wnj->wni", _turn(yaw), rest.offset)
+    offset = np.einsum("wij,wnj->wni", turn(yaw), rest.offset)
     vehicles = np.zeros((count, n, 6))
     given = block.numbers("start", "vehicle_position")
     vehicles[..., :3] = np.where(np.isnan(given), position[:, None] + offset, given)
@@ -76,23 +81,29 @@ def starts(block: Block, rest: Rest) -> tuple[Array, Array]:
 def cable_lengths(block: Block, payload: Array, vehicles: Array) -> Array:
     """Distances from the attachments to the vehicles at the start, shape (worlds, n), m."""
     yaw = 2.0 * np.arctan2(payload[:, 6], payload[:, 3])
-    arm = np.einsum("wij,wnj->wni", _turn(yaw), block.numbers("plant", "attachment"))
+    arm = np.einsum("wij,wnj->wni", turn(yaw), block.numbers("plant", "attachment"))
     apart = vehicles[..., :3] - payload[:, None, :3] - arm
     return np.asarray(np.linalg.norm(apart, axis=2))
 
 
-def _turn(yaw: Array) -> Array:
+def turn(yaw: Array) -> Array:
+    """From the level frame of each heading to the world, shape (worlds, 3, 3)."""
     c, s, zero, one = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw), np.ones_like(yaw)
     return np.array([[c, -s, zero], [s, c, zero], [zero, zero, one]]).transpose(2, 0, 1)
 
 
 def rows(columns: Columns, worlds: Worlds) -> tuple[Array, NDArray[np.uint64]]:
     """The worlds' numbers as the core reads them, one row a world, and their seeds."""
-    scenario = columns.scenario
-    values = scenario.values
     block = Block(columns, worlds)
     rest = rest_of(block)
-    payload, vehicles = starts(block, rest)
+    table = assemble(block, rest, *starts(block, rest))
+    return np.ascontiguousarray(table), layout.seeds(columns, worlds)
+
+
+def assemble(block: Block, rest: Rest, payload: Array, vehicles: Array) -> Array:
+    """Rows of some worlds' numbers, or of how these change, in the core's order."""
+    columns, scenario = block.columns, block.columns.scenario
+    values = scenario.values
     parts = [block.flat("plant", tables.PLANT_NUMBERS)]
     for field in tables.PLANT_NUMBERS:
         key = f"controller.assumed.{field.name}"
@@ -103,7 +114,7 @@ def rows(columns: Columns, worlds: Worlds) -> tuple[Array, NDArray[np.uint64]]:
         parts.append(block.flat("autopilot", tables.AUTOPILOT_NUMBERS))
     if values["ground"]["present"]:
         parts.append(block.flat("ground", tables.GROUND_NUMBERS))
-    count = len(worlds)
+    count = len(block.worlds)
     parts += [
         rest.offset.reshape(count, -1),
         rest.cable_force.reshape(count, -1),
@@ -111,7 +122,7 @@ def rows(columns: Columns, worlds: Worlds) -> tuple[Array, NDArray[np.uint64]]:
         block.flat("link", tables.LINK.fields),
         block.flat("limits", tables.LIMITS.fields),
     ]
-    if not ideal_worlds(columns)[worlds[0]]:
+    if not ideal_worlds(columns)[block.worlds[0]]:
         parts.append(block.flat("motion_capture", tables.MOTION_CAPTURE.fields))
     parts += [
         block.flat("wind", tables.WIND.fields),
@@ -122,8 +133,7 @@ def rows(columns: Columns, worlds: Worlds) -> tuple[Array, NDArray[np.uint64]]:
     ]
     for k in range(len(values["push"])):
         parts.append(block.flat(f"push[{k}]", tables.PUSH_NUMBERS))
-    table = np.ascontiguousarray(np.concatenate(parts, axis=1))
-    return table, layout.seeds(columns, worlds)
+    return np.concatenate(parts, axis=1)
 
 
 def problem(scenario: Scenario) -> tuple[Mapping[str, Any], Array, int]:

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "multilift/control/spatial/target.hpp"
+#include "multilift/math/arc.hpp"
 #include "multilift/model/spatial/dynamics.hpp"
 #include "multilift/sim/spatial/clearance.hpp"
 #include "multilift/sim/spatial/stepper.hpp"
@@ -110,18 +111,19 @@ class Metrics {
   /// The run ended early in worlds of `mask`: nothing can be said to have settled there.
   void cut_short(int k) { complete_[static_cast<std::size_t>(k)] = false; }
 
-  /// Calls v(Field, value) for each metric of world k.
+  /// Calls v(Field, number) for each metric of world k.
   template <class F>
   void report(int k, F&& v) const {
     const double degree = std::numbers::pi / 180.0;
-    const auto of = [k](const R& x) { return value(lane(x, k)); };
+    using One = lane_scalar_t<R>;  // this world's own number
+    const auto of = [k](const R& x) -> One { return lane(x, k); };
     const auto settled = [&](const R& last) {
-      return complete_[static_cast<std::size_t>(k)] && of(last) < last_time_
+      return complete_[static_cast<std::size_t>(k)] && of(last) < One(last_time_)
                  ? of(last)
-                 : std::numeric_limits<double>::quiet_NaN();
+                 : One(std::numeric_limits<double>::quiet_NaN());
     };
     const auto chord = [&](const R& squared) {
-      return 2.0 * std::asin(std::fmin(0.5 * std::sqrt(of(squared)), 1.0)) / degree;
+      return One(2.0) * arcsin(min(One(1.0), One(0.5) * sqrt(of(squared)))) / One(degree);
     };
     v(Field{"peak_swing", "deg", Range::any,
             "greatest angle of a taut cable from its direction at rest"},
@@ -139,20 +141,20 @@ class Metrics {
       settled(last_payload_far_));
     v(Field{"payload_error_max", "m", Range::any,
             "greatest distance of the payload from its target"},
-      std::sqrt(of(payload_error_squared_)));
+      sqrt(of(payload_error_squared_)));
     v(Field{"payload_error_rms", "m", Range::any, "its root mean square"},
-      std::sqrt(of(payload_error_integral_) / std::fmax(last_time_, 1e-12)));
+      sqrt(of(payload_error_integral_) / One(std::fmax(last_time_, 1e-12))));
     v(Field{"payload_tilt_max", "deg", Range::any,
             "greatest angle of the payload's z from upright"},
-      std::acos(std::fmin(std::fmax(of(tilt_cosine_), -1.0), 1.0)) / degree);
+      arccos(min(One(1.0), max(One(-1.0), of(tilt_cosine_)))) / One(degree));
     v(Field{"payload_yaw_error_max", "deg", Range::any, "greatest error of the payload's heading"},
-      std::asin(std::fmin(of(yaw_sine_), 1.0)) / degree);
+      arcsin(min(One(1.0), of(yaw_sine_))) / One(degree));
     v(Field{"control_effort", "N^2 s", Range::any, "integral of the commanded forces squared"},
       of(effort_));
     v(Field{"peak_thrust", "N", Range::any, "greatest thrust of a vehicle"},
-      std::sqrt(of(peak_thrust_squared_)));
+      sqrt(of(peak_thrust_squared_)));
     v(Field{"peak_tilt", "deg", Range::any, "greatest angle of a vehicle's thrust from upright"},
-      std::atan(std::sqrt(of(peak_slope_squared_))) / degree);
+      arctan(sqrt(of(peak_slope_squared_))) / One(degree));
     v(Field{"min_tension", "N", Range::any, "least tension of a cable"}, of(min_tension_));
     v(Field{"max_tension", "N", Range::any, "greatest tension of a cable"}, of(max_tension_));
     v(Field{"slack_time", "s", Range::any, "for how long some cable was slack"}, of(slack_time_));

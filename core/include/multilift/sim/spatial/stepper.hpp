@@ -191,7 +191,23 @@ class Stepper {
       before = select(still, before, middle);
     }
     runge_kutta(x, input, done, after, outside_at, ledger);
+    if constexpr (differentiates<R>) {
+      after = moving(after);
+      runge_kutta(x, input, done, after, outside_at, ledger);
+    }
     return after;
+  }
+
+  /// The time of an impact with its derivatives, those that keep the length at trial_ where it is.
+  /// A cable that goes slack does so without a jump, for which its time's do not matter.
+  R moving(const R& time) {
+    dynamics_.lay_cables(trial_, later_);
+    for (std::size_t i = 0; i < taut_.size(); ++i) {
+      if (!(whole_[i].is && !taut_[i].is && jerked(i, later_))) continue;
+      const R over = later_.cable[i].length - rest_length(i);
+      return time - (over - R(value(over))) / R(value(later_.cable[i].stretch_rate));
+    }
+    return time;
   }
 
   /// At x, where cables of `where` have just broken what they were taken for: those that would push
