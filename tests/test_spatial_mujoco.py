@@ -6,6 +6,7 @@ square of the limit's time constant, so that halving it twice shows what is left
 
 import numpy as np
 import pytest
+from multilift import bench
 from spatial_rows import GRAVITY, World, vectors
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (multilift[test])")
@@ -67,27 +68,10 @@ def force_of(world):
 def engine_flight(world, step, softness, force):
     """Positions of payload and vehicles, and the payload's x axis, every RECORD."""
     plant, n = world.plant, len(world.vehicles)
-    vehicles = "".join(
-        f'<body name="v{i}"><freejoint/><inertial pos="0 0 0" mass="{plant["vehicle_mass"][i]}"'
-        f' diaginertia="1 1 1"/><site name="v{i}"/></body>'
-        for i in range(n)
-    )
-    ties = "".join(
-        '<site name="t{}" pos="{} {} {}"/>'.format(i, *plant["attachment"][i]) for i in range(n)
-    )
-    tendons = "".join(
-        f'<spatial limited="true" range="0 {plant["cable_length"][i]}"'
-        f' solreflimit="{softness} 1" solimplimit="0.9999 0.9999 0.001">'
-        f'<site site="t{i}"/><site site="v{i}"/></spatial>'
-        for i in range(n)
-    )
-    inertia = "{} {} {}".format(*plant["payload_inertia"])
     model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><option timestep="{step}" gravity="0 0 -{GRAVITY}" integrator="RK4"'
-        f' tolerance="1e-15" iterations="200"><flag contact="disable"/></option><worldbody>'
-        f'<body name="load"><freejoint/><inertial pos="0 0 0" mass="{plant["payload_mass"]}"'
-        f' diaginertia="{inertia}"/>{ties}</body>{vehicles}</worldbody>'
-        f"<tendon>{tendons}</tendon></mujoco>"
+        bench.mujoco_free_bodies(
+            plant | {"gravity": GRAVITY}, step, softness, 'tolerance="1e-15" iterations="200"'
+        )
     )
     data = mujoco.MjData(model)
     # A free joint's velocity is linear in W and angular in the body, as ours.
