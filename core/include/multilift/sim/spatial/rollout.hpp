@@ -80,6 +80,7 @@ class Rollout {
         outside_(n_),
         saturated_(n_),
         metrics_(rest_directions(setup.formation)) {
+    outside_.pushes = !s_.pushes.empty();
     s_.reference.at(0.0, targets_[0]);
     targets_[1] = targets_[2] = targets_[0];
     for (std::size_t i = 0; i < n_; ++i) {
@@ -111,7 +112,7 @@ class Rollout {
       control(k, time);
       actuate(k);
       outside_.wind = wind_.at(k);
-      if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time), Stage::start, outside_);
+      if (outside_.pushes) add_pushes(s_.pushes, R(time), Stage::start, outside_);
       const Instant<R>& now = stepper_.observe(x_, input_, outside_);
 
       const Sample<R, V> sample{time,
@@ -201,7 +202,7 @@ class Rollout {
     stepper_.step(
         x_, input_, h,
         [&](const R& since, Stage stage) -> const Surroundings<R>& {
-          if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time) + since, stage, outside_);
+          if (outside_.pushes) add_pushes(s_.pushes, R(time) + since, stage, outside_);
           return outside_;
         },
         audit_);
