@@ -11,7 +11,8 @@ SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
   $(shell find core/include bindings python scenarios studies vehicles -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help reproduce test test-ray test-drake fuzz lint format bench bench-growth bench-study docs wheel clean
+.PHONY: help reproduce test test-ray test-drake fuzz lint format bench bench-growth \
+  bench-vehicles bench-study docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
@@ -23,6 +24,7 @@ help:
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
 	@echo "make bench-growth  time and memory from one world to a million: half an hour"
+	@echo "make bench-vehicles  time a step from two vehicles to 64"
 	@echo "make bench-study   a hundred thousand worlds, from the command to the report"
 	@echo "make docs        the documentation as web pages in docs/_build/html"
 	@echo "make wheel       a wheel in dist/, tried in an environment of its own"
@@ -75,6 +77,9 @@ bench: $(VENV)/.with-test
 
 bench-growth: $(VENV)/.with-test
 	$(BIN)/python benchmarks/growth.py
+
+bench-vehicles: $(VENV)/.with-test
+	$(BIN)/python benchmarks/vehicles.py
 
 bench-study: $(VENV)/.with-test
 	$(BIN)/multilift study benchmarks/sim1_many.toml -o out/sim1_many --force

@@ -1,4 +1,4 @@
-"""A payload on limited tendons under free bodies, with rotors or without, as MuJoCo models it."""
+"""A payload on limited tendons under quadrotors, as MuJoCo models it."""
 
 import numpy as np
 from spatial_rows import GRAVITY
@@ -9,7 +9,7 @@ CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) / np.sq
 SENSES = (1.0, -1.0, 1.0, -1.0)
 
 
-def engine(mujoco, plant, step, softness, craft=None):
+def engine(mujoco, plant, step, softness, craft):
     """Model and data. Tendons yield with a critically damped time constant `softness`, s.
 
     Args:
@@ -18,8 +18,7 @@ def engine(mujoco, plant, step, softness, craft=None):
             are actuators, four a vehicle, whose controls are thrusts, N.
     """
     n = len(plant["vehicle_mass"])
-    inertia = np.ones((n, 3)) if craft is None else craft["inertia"]
-    corners = [] if craft is None else craft["arm_length"] * CORNERS
+    inertia, corners = craft["inertia"], craft["arm_length"] * CORNERS
     vehicles = "".join(
         f'<body name="v{i}"><freejoint/>'
         f'<inertial pos="0 0 0" mass="{plant["vehicle_mass"][i]}" diaginertia="{row(inertia[i])}"/>'

@@ -37,6 +37,13 @@ def test_every_row_holds_a_measured_number(capsys):
         rate = found["flops"].median / ours  # flop/ns
         assert found[f"{name}_rate"].median == rate
         assert found[f"{name}_share"].median == 100.0 * rate / found[f"{name}_loop"].median
+        theirs, ours = found["space_mujoco_rollout"].median, found[f"space_{name}"].median
+        assert found[f"space_{name}_ratio"].median == theirs / ours
+    assert found["space_one_ratio"].median == (
+        found["space_mujoco"].median / found["space_one"].median
+    )
+    # Finer than what RotorTM's integrator tolerates.
+    assert found["rotortm_error"].median < 1e-6
     assert ("threads" in found) == (os.cpu_count() > 1)
     bench.print_rows(rows, Console(width=240))
     printed = capsys.readouterr().out
@@ -99,3 +106,25 @@ def test_the_growth_that_the_documentation_shows_is_whole():
     with table.open(newline="", encoding="utf-8") as file:
         worlds = [int(row["worlds"]) for row in csv.DictReader(file)]
     assert worlds == [10**k for k in range(7)]
+
+
+def test_time_against_vehicles_is_measured_stored_and_drawn(tmp_path):
+    script = Path(__file__).parents[1] / "benchmarks" / "vehicles.py"
+    table = tmp_path / "vehicles.csv"
+    done = subprocess.run(
+        [sys.executable, str(script), "--most", "4", "--worlds", "8", "--turns", "1",
+         "--table", str(table)],
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    assert [row["vehicles"] for row in rows] == [2, 4]
+    assert all(row["one"] > 0 and row["lanes"] > 0 for row in rows)
+    assert "exponent" in done.stdout
+    assert table.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_times_against_vehicles_that_the_documentation_shows_are_whole():
+    table = Path(__file__).parents[1] / "docs" / "_static" / "vehicles.csv"
+    with table.open(newline="", encoding="utf-8") as file:
+        assert [int(row["vehicles"]) for row in csv.DictReader(file)] == [2, 4, 8, 16, 32, 64]

@@ -6,7 +6,8 @@ square of the limit's time constant, so that halving it twice shows what is left
 
 import numpy as np
 import pytest
-from spatial_mujoco import bodies, engine
+from multilift import bench
+from spatial_mujoco import bodies
 from spatial_rows import GRAVITY, World, vectors
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (multilift[test])")
@@ -68,7 +69,12 @@ def force_of(world):
 def engine_flight(world, step, softness, force):
     """Positions of payload and vehicles, and the payload's x axis, every RECORD."""
     plant, n = world.plant, len(world.vehicles)
-    model, data = engine(mujoco, plant, step, softness)
+    model = mujoco.MjModel.from_xml_string(
+        bench.mujoco_free_bodies(
+            plant | {"gravity": GRAVITY}, step, softness, 'tolerance="1e-15" iterations="200"'
+        )
+    )
+    data = mujoco.MjData(model)
     # A free joint's velocity is linear in W and angular in the body, as ours.
     data.qpos[:7] = [*world.payload, *world.attitude]
     data.qvel[:6] = [*world.velocity, *world.rate]

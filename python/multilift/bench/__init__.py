@@ -4,8 +4,9 @@ Everything runs in one process and in turns, so that what else the machine does 
 compare numbers of one run only.
 """
 
+from multilift.bench.free_bodies import mujoco_free_bodies
 from multilift.bench.rows import Row, print_rows
 from multilift.bench.run import run_benchmarks
 from multilift.bench.tree import mujoco_tree
 
-__all__ = ["Row", "mujoco_tree", "print_rows", "run_benchmarks"]
+__all__ = ["Row", "mujoco_free_bodies", "mujoco_tree", "print_rows", "run_benchmarks"]

@@ -9,13 +9,11 @@ from collections.abc import Callable
 from functools import partial
 
 from multilift import _core, isa
-from multilift.batch import simulate_batch
-from multilift.bench import flops, tree
-from multilift.bench.rows import Row, nanoseconds, ratio, timed
+from multilift.bench import engine, flops, space, tree
+from multilift.bench.ours import many_worlds, one_world
+from multilift.bench.rows import Row, ratio, timed
 from multilift.models.planar.scenario import PlanarScenario, planar_only
 from multilift.scenario import Scenario, load
-from multilift.simulate import simulate
-from multilift.steps import Steps
 
 GOAL_RATIO = 20  # times MuJoCo's speed, one world
 GOAL_LAW = 100.0  # ns a step of the control law
@@ -23,8 +21,7 @@ GOAL_BATCH = {"avx512": 100, "avx2": 50, "baseline": 25}  # times MuJoCo's speed
 GOAL_THREADS = 1.85  # times one thread's speed, with two
 GOAL_LIMIT = 30.0  # per cent of the multiply-add loop's rate
 
-#: What one repetition does: simulations, steps of the law.
-_RUNS = 5
+#: What one repetition does of the law.
 _LAW_STEPS = 1_000_000
 
 _NOT_INSTALLED = "is not installed"
@@ -42,19 +39,23 @@ def run_benchmarks(repetitions: int = 7, worlds: int = 256) -> list[Row]:
         sim1.with_values({"simulation.record_period": sim1["simulation.duration"]}),
         "the benchmark",
     )
+    xml, start = tree.mujoco_tree(scenario, scenario["simulation.step"]), tree.tree_start(scenario)
     measures: dict[str, Callable[[], float] | None] = {
-        "one": _simulation(scenario),
-        "mujoco": tree.one_world(scenario),
+        "one": one_world(scenario),
+        "mujoco": engine.one_world(xml, start),
         "law": _law(scenario),
-        "mujoco_rollout": tree.many_worlds(scenario),
+        "mujoco_rollout": engine.many_worlds(xml, start),
     }
     for name in isa.available():
-        measures[name] = _batch(scenario, worlds, name, 1)
+        measures[name] = many_worlds(scenario, worlds, name, 1)
         measures[f"{name}_loop"] = partial(flops.multiply_add_rate, name)
     two = (os.cpu_count() or 1) > 1
     if two:
-        measures["two_threads"] = _batch(scenario, 2 * worlds, isa.available()[0], 2, wall=True)
-        measures["one_thread"] = _batch(scenario, 2 * worlds, isa.available()[0], 1, wall=True)
+        measures["two_threads"] = many_worlds(
+            scenario, 2 * worlds, isa.available()[0], 2, wall=True
+        )
+        measures["one_thread"] = many_worlds(scenario, 2 * worlds, isa.available()[0], 1, wall=True)
+    measures |= space.measures(worlds)
     found: dict[str, list[float]] = defaultdict(list)
     for _ in range(repetitions):
         for key, measure in measures.items():
@@ -66,7 +67,7 @@ def run_benchmarks(repetitions: int = 7, worlds: int = 256) -> list[Row]:
             ratio("threads", f"two threads against one, {isa.available()[0]}",
                   found["one_thread"], found["two_threads"], f"goal: {GOAL_THREADS}")
         )  # fmt: skip
-    return rows + _limit(scenario, found)
+    return rows + _limit(scenario, found) + space.rows(found)
 
 
 def _one_world(found: dict[str, list[float]]) -> list[Row]:
@@ -121,28 +122,6 @@ def _limit(scenario: Scenario, found: dict[str, list[float]]) -> list[Row]:
                 f"goal: {GOAL_LIMIT:.0f}"),
         ]  # fmt: skip
     return rows
-
-
-def _simulation(scenario: Scenario) -> Callable[[], float]:
-    """Measures a simulation of the scenario, ns a step."""
-    steps = Steps.of(scenario).steps
-    return lambda: nanoseconds(lambda: [simulate(scenario) for _ in range(_RUNS)], _RUNS * steps)
-
-
-def _batch(
-    scenario: Scenario, worlds: int, name: str, threads: int, *, wall: bool = False
-) -> Callable[[], float]:
-    """Measures a batch, ns a step of one world."""
-    steps = Steps.of(scenario).steps
-
-    def measure() -> float:
-        return nanoseconds(
-            lambda: simulate_batch(scenario, count=worlds, isa=name, threads=threads),
-            worlds * steps,
-            wall=wall,
-        )
-
-    return measure
 
 
 def _law(scenario: PlanarScenario) -> Callable[[], float]:

@@ -1,20 +1,12 @@
-"""MuJoCo on the same plant: a tree of hinges, its Runge-Kutta, one world or many."""
+"""The planar plant in MuJoCo: a tree of hinges, stepped by its Runge-Kutta."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from multilift.bench.rows import nanoseconds
+from multilift.bench.engine import Place
 from multilift.models.planar.scenario import planar_only
 from multilift.scenario import Scenario
-
-#: What one repetition does: steps of one world; worlds, and steps of each.
-_STEPS = 10_000
-_WORLDS = 16
-_WORLD_STEPS = 500
 
 #: Angles of the three hinges at the start, rad.
 _START = (0.02, 0.05, -0.05)
@@ -72,59 +64,13 @@ def mujoco_tree(scenario: Scenario, step: float, inertia: float = 1e-12) -> str:
     )
 
 
-def one_world(scenario: Scenario) -> Callable[[], float] | None:
-    """Measures ``mj_step`` from a swung start, ns a step; None if MuJoCo is not installed."""
-    try:
-        import mujoco  # noqa: PLC0415 - an optional package
-    except ImportError:
-        return None
-    model, data = _model(mujoco, scenario)
+def tree_start(scenario: Scenario) -> Place:
+    """Swings the tree's hinges and has each vehicle hold itself and its half of the bar."""
+    plant = planar_only(scenario, "MuJoCo's model").plant
+    share = (plant.vehicle_mass + 0.5 * plant.bar_mass) * plant.gravity
 
-    def measure() -> float:
-        mujoco.mj_resetData(model, data)
-        data.qpos[2:] = _START
-        data.xfrc_applied[2:, 2] = _shares(scenario)
-        return nanoseconds(lambda: mujoco.mj_step(model, data, _STEPS), _STEPS)
+    def place(data: Any, part: float) -> None:
+        data.qpos[2:] = (part * _START[0], *_START[1:])
+        data.xfrc_applied[2:, 2] = share
 
-    return measure
-
-
-def many_worlds(scenario: Scenario) -> Callable[[], float] | None:
-    """Measures ``mujoco.rollout`` on one thread, ns a step of a world; None without it."""
-    try:
-        import mujoco  # noqa: PLC0415
-        from mujoco import rollout  # noqa: PLC0415
-    except ImportError:
-        return None
-    model, data = _model(mujoco, scenario)
-    data.qpos[2:] = _START
-    full = mujoco.mjtState.mjSTATE_FULLPHYSICS
-    state = np.zeros((_WORLDS, mujoco.mj_stateSize(model, full)))
-    for k, row in enumerate(state):
-        data.qpos[2] = _START[0] * (1.0 + k / _WORLDS)
-        mujoco.mj_getState(model, data, row, full)
-    force = np.zeros((model.nbody, 6))
-    force[2:, 2] = _shares(scenario)
-    out = np.zeros((_WORLDS, _WORLD_STEPS, state.shape[1]))
-
-    def measure() -> float:
-        return nanoseconds(
-            lambda: rollout.rollout(
-                model, [data], state, np.tile(force.ravel(), (1, _WORLD_STEPS, 1)), state=out,
-                control_spec=int(mujoco.mjtState.mjSTATE_XFRC_APPLIED),
-            ),
-            _WORLDS * _WORLD_STEPS,
-        )  # fmt: skip
-
-    return measure
-
-
-def _model(mujoco: Any, scenario: Scenario) -> tuple[Any, Any]:
-    model = mujoco.MjModel.from_xml_string(mujoco_tree(scenario, scenario["simulation.step"]))
-    return model, mujoco.MjData(model)
-
-
-def _shares(scenario: Scenario) -> Any:
-    """The force that holds each vehicle and its half of the bar, N."""
-    plant = planar_only(scenario, "the benchmark").plant
-    return (plant.vehicle_mass + 0.5 * plant.bar_mass) * plant.gravity
+    return place

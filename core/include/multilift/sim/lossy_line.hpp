@@ -33,22 +33,35 @@ class LossyLine {
 
   /// The newest value that has arrived by `step`, world by world.
   const T& receive(long step) {
-    const std::size_t oldest = sent_ < queue_.size() ? 0 : sent_ - queue_.size();
+    const auto before = received_;
+    for (std::size_t j = oldest_still_wanted(); j < sent_; ++j) {
+      const Entry& entry = queue_[j % queue_.size()];
+      for (std::size_t i = 0; i < received_.size(); ++i)
+        if (received_[i] <= j && entry.arrival[i] <= step) received_[i] = j + 1;
+    }
+    // Worlds that get the same value, as all do without jitter and loss, get it at once.
+    const bool alike = std::ranges::all_of(received_, [&](auto r) { return r == received_[0]; });
     for (int k = 0; k < lanes_of<R>; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      std::size_t newest = std::max(received_[i], oldest);
-      const std::size_t before = newest;
-      for (std::size_t j = newest; j < sent_; ++j)
-        if (queue_[j % queue_.size()].arrival[i] <= step) newest = j + 1;
-      if (newest == before) continue;
-      received_[i] = newest;
-      current_.visit_scalars(queue_[(newest - 1) % queue_.size()].value,
-                             [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
+      if (received_[i] == before[i]) continue;
+      const T& newest = queue_[(received_[i] - 1) % queue_.size()].value;
+      if (alike) {
+        current_.visit_scalars(newest, [](auto& mine, const auto& its) { mine = its; });
+        break;
+      }
+      current_.visit_scalars(
+          newest, [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
     }
     return current_;
   }
 
  private:
+  /// The first value sent that some world has not seen overtaken and that is still kept.
+  std::size_t oldest_still_wanted() const {
+    const std::size_t kept = sent_ < queue_.size() ? 0 : sent_ - queue_.size();
+    return std::max(std::ranges::min(received_), kept);
+  }
+
   struct Entry {
     StepsOf<R> arrival;  // as steps
     T value;

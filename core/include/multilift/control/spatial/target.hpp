@@ -78,6 +78,7 @@ struct Target {
   std::vector<Vec3<R>> vehicle, vehicle_velocity, vehicle_acceleration;  // W
   std::vector<Vec3<R>> cable_force, cable_force_rate;                    // W, N, N/s
   Vec3<R> below, below_rate, below_acceleration;                         // W
+  bool moves = true;  // whether any rate above may be other than zero
 
   explicit Target(std::size_t n)
       : vehicle(n),
@@ -101,6 +102,7 @@ class Reference {
 
   void at(double time, Target<R>& target) const {
     const R zero(0.0);
+    target.moves = !stands();
     std::array<std::array<double, 5>, 4> way;
     for (std::size_t c = 0; c < 4; ++c) way[c] = path_.at(c, time);
     const auto derivative = [&](std::size_t order) {

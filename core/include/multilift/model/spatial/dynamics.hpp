@@ -15,6 +15,7 @@ struct Surroundings {
   std::vector<Vec3<R>> vehicle_push;  // W, N
   Vec3<R> payload_push;               // at the centre of mass, W, N
   Vec3<R> payload_push_torque;        // L, N m
+  bool pushes = true;                 // whether any of these may be other than zero
   Vec3<R> wind;                       // W, m/s
 
   explicit Surroundings(std::size_t n) : vehicle_push(n) {}
@@ -32,6 +33,7 @@ struct Instant {
   Vec3<R> payload_drag;            // W, N
   Loads<R> loads;
   Motion<R> motion;
+  bool floor = false;  // whether there is one; without it nothing above of contact is touched
 
   explicit Instant(std::size_t n) : cable(n), thrust(n), contact(n), loads(n), motion(n) {}
 };
@@ -108,7 +110,8 @@ class Dynamics {
     now.loads.payload.z -= p.payload_mass * p.gravity;
     now.loads.payload_torque =
         outside.payload_push_torque - scale(p.payload_spin_damping, x.payload.rate);
-    if (ground_) stand(x, now);
+    now.floor = ground_.has_value();
+    if (now.floor) stand(x, now);
   }
 
   /// Adds what the floor does to those who touch it.

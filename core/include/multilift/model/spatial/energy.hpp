@@ -76,6 +76,7 @@ struct Powers {
 template <Real R>
 struct Coupling {
   std::vector<R> kappa, c;
+  std::vector<R> one_and_c, c_apart;  // 1 + c, and c less its mean
   R swing{0.0};  // n^2 k_lambda
   R mean_c{0.0};
 
@@ -86,7 +87,9 @@ struct Coupling {
       kappa.push_back(R(n) * gains.k_lambda / mass);
       c.push_back(swing / p.payload_mass + kappa.back());
       mean_c += R(1.0 / n) * c.back();
+      one_and_c.push_back(R(1.0) + c.back());
     }
+    for (const R& each : c) c_apart.push_back(each - mean_c);
   }
 };
 
@@ -154,53 +157,82 @@ MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& ga
          R(0.5) * coupling.mean_c * spin;
 }
 
+/// Adds what outside forces on the vehicles and on the payload, with a torque there, do: each
+/// against the velocity that it works on in the storage function.
+template <Real R, class Velocity>
+MULTILIFT_INLINE void add_outside_power(R& power, const std::vector<Vec3<R>>& vehicle,
+                                        const Vec3<R>& payload, const Vec3<R>& torque,
+                                        Velocity&& eps_dot, const Vec3<R>& lever,
+                                        const Vec3<R>& spin) {
+  for (std::size_t i = 0; i < vehicle.size(); ++i) power += dot(eps_dot(i), vehicle[i]);
+  power += dot(lever, payload) + dot(spin, torque);
+}
+
+/// What a moving reference adds; `r` is the payload's displacement and `r_dot` its rate.
+template <Real R, class V>
+MULTILIFT_INLINE R reference_power(const Plant<R>& p, const Coupling<R>& coupling,
+                                   const State<R, V>& x, const Instant<R>& now,
+                                   const Surroundings<R>& outside, const Target<R>& target,
+                                   const Displacement<R>& displacement) {
+  const auto& [r, r_dot] = displacement;
+  R power = -(p.payload_mass * p.gravity * target.payload_velocity.z) -
+            coupling.swing * dot(r_dot, target.below_acceleration);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Vec3<R> force = now.thrust[i] - scale(p.vehicle_drag[i], x.vehicle[i].velocity - outside.wind);
+    force.z -= p.vehicle_mass[i] * p.gravity;
+    if (outside.pushes) force += outside.vehicle_push[i];
+    if (now.floor) force += now.contact[i];
+    const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
+    power += dot(target.vehicle_velocity[i], force) -
+             dot(target.cable_force_rate[i], error - coupling.kappa[i] * r);
+  }
+  return power;
+}
+
 template <Real R, class V>
 MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& gains,
                                      const Coupling<R>& coupling, const State<R, V>& x,
                                      const Instant<R>& now, const Surroundings<R>& outside,
                                      const Target<R>& target, const std::vector<Vec3<R>>& d_hat) {
-  const auto [r, r_dot] = displacement_of(x, target);
-  const R inverse_n(1.0 / static_cast<double>(x.size()));
-  const R one(1.0);
+  const Displacement<R> displacement = displacement_of(x, target);
+  const auto& [r, r_dot] = displacement;
   const Vec3<R>& omega = x.payload.rate;
-  Vec3<R> mean_rate{};
-  for (const V& vehicle : x.vehicle) mean_rate += vehicle.velocity;
-  mean_rate = inverse_n * mean_rate + target.below_rate;
+  const Vec3<R> mean_rate = x.payload.velocity - r_dot;  // of the vehicles
+  const auto eps_dot_of = [&](std::size_t i) {
+    const Vec3<R> still = x.vehicle[i].velocity - coupling.kappa[i] * r_dot;
+    return target.moves ? still - target.vehicle_velocity[i] : still;
+  };
 
   Powers<R> w;
-  w.reference = -(p.payload_mass * p.gravity * target.payload_velocity.z) -
-                coupling.swing * dot(r_dot, target.below_acceleration);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3<R>& v = x.vehicle[i].velocity;
-    const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
-    const Vec3<R> eps = error - coupling.kappa[i] * r;
-    const Vec3<R> eps_dot = v - target.vehicle_velocity[i] - coupling.kappa[i] * r_dot;
+    const Vec3<R> eps = x.vehicle[i].position - target.vehicle[i] - coupling.kappa[i] * r;
+    const Vec3<R> eps_dot = eps_dot_of(i);
     Vec3<R> u = now.thrust[i] - target.cable_force[i];
     u.z -= p.vehicle_mass[i] * p.gravity;
     const Vec3<R> compensation = scale(d_hat[i], v);
-    const Vec3<R> drag = -scale(p.vehicle_drag[i], v - outside.wind);
+    const Vec3<R> drag = scale(p.vehicle_drag[i], v - outside.wind);
     const R braking = dot(gains.k_d[i], scale(eps_dot, eps_dot));
     w.dissipation -= braking;
     w.actuation += dot(eps_dot, u + scale(gains.k_p[i], eps) - compensation) + braking;
-    w.adaptation += dot(eps_dot, compensation + drag);
-    w.push += dot(eps_dot, outside.vehicle_push[i]);
-    w.contact += dot(eps_dot, now.contact[i]);
-
-    const Vec3<R> others = drag + outside.vehicle_push[i] + now.contact[i];
-    w.reference += dot(target.vehicle_velocity[i], u + others + target.cable_force[i]) -
-                   dot(target.cable_force_rate[i], error - coupling.kappa[i] * r);
+    w.adaptation += dot(eps_dot, compensation - drag);
     const Cable<R>& cable = now.cable[i];
     const R& tension = now.motion.tension[i];
     w.internal += tension * (coupling.c[i] * dot(cable.direction, v - mean_rate) -
-                             (coupling.c[i] - coupling.mean_c) * dot(omega, cable.moment));
-    w.cables -= (one + coupling.c[i]) * tension * cable.stretch_rate;
+                             coupling.c_apart[i] * dot(omega, cable.moment));
+    w.cables -= coupling.one_and_c[i] * tension * cable.stretch_rate;
   }
   const Vec3<R> lever = x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot;
-  const R weight = one + coupling.mean_c;
-  w.payload_drag =
-      dot(lever, now.payload_drag) - weight * dot(omega, scale(p.payload_spin_damping, omega));
-  w.push += dot(lever, outside.payload_push) + weight * dot(omega, outside.payload_push_torque);
-  w.contact += dot(lever, now.payload_contact) + weight * dot(omega, now.payload_contact_torque);
+  const Vec3<R> spin = (R(1.0) + coupling.mean_c) * omega;
+  w.payload_drag = dot(lever, now.payload_drag) - dot(spin, scale(p.payload_spin_damping, omega));
+  if (outside.pushes)
+    add_outside_power(w.push, outside.vehicle_push, outside.payload_push,
+                      outside.payload_push_torque, eps_dot_of, lever, spin);
+  if (now.floor)
+    add_outside_power(w.contact, now.contact, now.payload_contact, now.payload_contact_torque,
+                      eps_dot_of, lever, spin);
+  if (target.moves)
+    w.reference = reference_power(p, coupling, x, now, outside, target, displacement);
   return w;
 }
 

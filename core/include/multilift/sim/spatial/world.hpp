@@ -24,6 +24,7 @@ class World {
         wind_(setup.wind, setup.timing.step, setup.seeds),
         input_(x_.size()),
         outside_(x_.size()) {
+    outside_.pushes = !s_.pushes.empty();
     stepper_.begin(x_);
   }
 
@@ -53,7 +54,7 @@ class World {
   /// What holds at the start of step k.
   const Instant<R>& observe(long k) {
     outside_.wind = wind_.at(k);
-    if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time_of(k)), Stage::start, outside_);
+    if (outside_.pushes) add_pushes(s_.pushes, R(time_of(k)), Stage::start, outside_);
     return stepper_.observe(x_, input_, outside_);
   }
 
@@ -64,7 +65,7 @@ class World {
     stepper_.step(
         x_, input_, s_.timing.step,
         [&](const R& since, Stage stage) -> const Surroundings<R>& {
-          if (!s_.pushes.empty()) add_pushes(s_.pushes, R(time) + since, stage, outside_);
+          if (outside_.pushes) add_pushes(s_.pushes, R(time) + since, stage, outside_);
           return outside_;
         },
         ledger);
