@@ -65,15 +65,14 @@ def request(kind, content):
     return struct.pack("<II", 8 + len(content), kind) + content
 
 
-def noise(rng):
-    """One message: a command, a command gone wrong, or plain noise."""
-    how = rng.random()
+def noise(rng, framed):
+    """One message: a command, a command gone wrong, or, where not framed, plain noise."""
+    how = rng.random() * (0.8 if framed else 1.0)
     if how < 0.6:
-        text = " ".join(rng.choices(WORDS, k=rng.randint(0, 6)))
-        message = bytearray(request(1, text.encode() + b"\0"))
+        text = bytearray(" ".join(rng.choices(WORDS, k=rng.randint(1, 6))).encode() + b"\0")
         for _ in range(rng.choice((0, 0, 0, 1, 3))):
-            message[rng.randrange(len(message))] = rng.randrange(256)
-        return bytes(message)
+            text[rng.randrange(len(text))] = rng.randrange(256)
+        return request(1, bytes(text))
     if how < 0.8:
         return request(rng.randrange(12), rng.randbytes(rng.randrange(40)))
     if how < 0.9:
@@ -88,8 +87,9 @@ async def attack_server(rng, count):
     while sent < count:
         client, sink = _Client(server), Sink(reads=rng.random() < 0.7)
         client.connection_made(sink)
-        for _ in range(rng.randint(1, 200)):
-            message = noise(rng)
+        framed = rng.random() < 0.8
+        for _ in range(min(rng.choice((5, 200, 20_000)), count - sent)):
+            message = noise(rng, framed) * rng.choice((1, 1, 1, 1, 1, 1, 1, 1, 1, 30))
             cut = rng.randrange(len(message) + 1)
             for part in (message[:cut], message[cut:]):
                 if not sink.closed:

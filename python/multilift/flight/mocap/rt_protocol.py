@@ -116,19 +116,19 @@ class RequestReader:
             RequestError: a size that is less than a header or more than LARGEST_REQUEST. What
                 was whole before it is lost; the connection is of no use any more.
         """
-        self._rest += data
+        data, self._rest = self._rest + data, b""
         found = []
         start = 0
-        while len(self._rest) - start >= _HEADER.size:
-            size, kind = _HEADER.unpack_from(self._rest, start)
+        while len(data) - start >= _HEADER.size:
+            size, kind = _HEADER.unpack_from(data, start)
             if not _HEADER.size <= size <= LARGEST_REQUEST:
                 raise RequestError(f"a packet of {size} bytes")
-            if len(self._rest) - start < size:
+            if len(data) - start < size:
                 break
-            content = self._rest[start + _HEADER.size : start + size]
+            content = data[start + _HEADER.size : start + size]
             found.append(Request(kind, content.removesuffix(b"\0")))
             start += size
-        self._rest = self._rest[start:]
+        self._rest = data[start:]
         return found
 
 
