@@ -270,3 +270,11 @@ def test_the_reference_reads_well():
     assert "| `vehicles` | 1 to 64, n in shapes | 2 |" in tables
     assert "`load`, `vehicle_1` … `vehicle_n`" in tables
     assert "(table-row-controller.assumed.vehicles)=" in pages["row/law-tables.md"]
+
+
+def test_no_gain_has_the_name_of_another_key_of_its_table():
+    for name in models.names():
+        model = models.by_name(name)
+        for law in model.laws:
+            keys = [field.name for field in model.controller_table(law).fields]
+            assert len(set(keys)) == len(keys), (name, law)

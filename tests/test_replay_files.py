@@ -1,11 +1,14 @@
 """Recordings and animations: written, small, with everything in them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import replay_scenes as scenes
 from multilift import replay
 from multilift.errors import MissingExtraError, OutputError
 from multilift.replay import gif, recording
+from multilift.replay.painting import Painter
 
 
 @pytest.mark.parametrize("make", [scenes.cut, lambda: scenes.run("sim1")], ids=["space", "plane"])
@@ -31,6 +34,20 @@ def test_animation_has_fewer_frames_where_it_would_be_too_large(tmp_path):
     gif.write(scenes.scene("platform_turn"), file, seconds=2.0, most_bytes=1)
     with images.open(file) as image:
         assert image.n_frames == 16  # 2 s at 8 a second, the least
+
+
+def test_a_target_below_the_floor_does_not_move_the_camera_away():
+    shown = scenes.scene("takeoff_to_setdown", **{"simulation.duration": 0.5})
+    deep = dataclasses.replace(shown, payload_target=shown.payload_target - [0.0, 0.0, 3.0])
+    assert deep.box[0, 2] < -2.0
+    assert Painter(deep, 1.0).camera.eye == pytest.approx(Painter(shown, 1.0).camera.eye)
+
+
+def test_an_animation_is_white_between_its_lines(tmp_path):
+    images = pytest.importorskip("PIL.Image")
+    gif.write(scenes.scene("exp1_1_quadrotors"), tmp_path / "run.gif")
+    with images.open(tmp_path / "run.gif") as animation:
+        assert animation.convert("RGB").getpixel((2, 60)) == (255, 255, 255)
 
 
 def test_animation_says_where_it_cannot_be_written(tmp_path):

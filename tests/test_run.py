@@ -55,6 +55,7 @@ def test_saved_files_hold_the_run(tmp_path):
     assert sorted(f.name for f in target.iterdir()) == [
         "metrics.json",
         "overview.png",
+        "report.html",
         "run.json",
         "scenario.toml",
         "trajectory.parquet",

@@ -1,4 +1,4 @@
-"""The command line: ``multilift run | study | view | sitl | reproduce | check | bench | ...``."""
+"""The command line: ``multilift run | view | study | compare | sitl | reproduce | check | ...``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rich.table import Table
 
 import multilift as ml
 from multilift import library, storage
+from multilift.cli_compare import compare
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
@@ -189,6 +190,12 @@ def _print_study(result: Any, *, local: bool) -> None:
             soft_wrap=True,
         )
     _out.print(f"Report: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
+
+
+app.command(
+    epilog="Examples:  multilift compare -o out/compare  |  multilift compare uneven_four my.toml "
+    "-o out/mine --draws 64"
+)(compare)
 
 
 @app.command(

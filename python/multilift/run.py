@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from multilift import provenance, storage
 from multilift.controllers import PythonLaw
-from multilift.errors import MissingExtraError
+from multilift.errors import MissingExtraError, ScenarioError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -149,7 +149,8 @@ class Run:
 
         Returns:
             The folder, with ``trajectory.parquet``, ``metrics.json``, ``scenario.toml``,
-            ``run.json`` and, where matplotlib is installed, ``overview.png``.
+            ``run.json`` and, as far as ``multilift[report]`` is installed, ``overview.png`` and
+            ``report.html``, the run's replay, figure and numbers as one offline page.
 
         Raises:
             OutputError: if the folder is taken or cannot be written.
@@ -165,10 +166,21 @@ class Run:
             try:
                 figure = self.plot()
             except MissingExtraError:
-                figure = None  # data without a picture, where matplotlib is not installed
-            if figure is not None:
-                figure.savefig(folder / "overview.png")
+                return target  # data without a picture, where matplotlib is not installed
+            figure.savefig(folder / "overview.png")
+            page = self._page((folder / "overview.png").read_bytes())
+            if page is not None:
+                (folder / "report.html").write_text(page, encoding="utf-8")
         return target
+
+    def _page(self, overview: bytes) -> str | None:
+        """The run's page; None where the page's packages are missing or the run has no shape."""
+        try:
+            from multilift.report import flight  # noqa: PLC0415 - loads the plotting packages
+
+            return flight.render(self, overview)
+        except (ImportError, ScenarioError):
+            return None
 
     def provenance(self) -> dict[str, Any]:
         """What made this run: versions, platform, seed, law, and how it ended."""

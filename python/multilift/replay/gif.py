@@ -77,5 +77,7 @@ def _palette() -> list[int]:
     plain = np.array([rgb(colour) for colour in PLAIN], dtype=float)
     mixed = [white + part * (plain - white) for part in (1.0, 0.78, 0.56, 0.34, 0.15)]
     greys = np.linspace(0.0, 255.0, 24)[:, None] * np.ones(3)
-    every = np.rint(np.concatenate([greys, *mixed]))[:256]
+    every = np.rint(np.concatenate([greys, *mixed]))
+    # What is nearly white would take white's place: colours are matched coarsely.
+    every = every[((every == 255).all(axis=1)) | (every.min(axis=1) < 240)][:256]
     return [int(x) for x in every.ravel()]

@@ -43,6 +43,8 @@ class Painter:
         self.width, self.height = _SHARP * _WIDTH, _SHARP * _PICTURE
         box = scene.box + np.array([[-1.0], [1.0]]) * 0.3 * scene.arrow_length
         box[1, 2] += 0.85 * scene.arrow_length
+        if scene.floor is not None:
+            box[0, 2] = max(box[0, 2], scene.floor)  # targets may lie below it
         flat = box[1, 0] - box[0, 0] < 0.6 * scene.arrow_length + 1e-9
         yaw, pitch = (0.0, 0.06) if flat else (-1.05, 0.32)
         self.camera = Camera(box, yaw, pitch, self.width, self.height)

@@ -224,7 +224,7 @@ def lqr_gains(
 
     Returns:
         ``vehicle_position`` and ``vehicle_velocity``, shape (n, n, 3, 3), and ``payload_position``,
-        ``payload_velocity``, ``attitude`` and ``attitude_rate``, shape (n, 3, 3): force on
+        ``payload_velocity``, ``payload_attitude`` and ``payload_rate``, shape (n, 3, 3): force on
         vehicle i along the level frame's axes per error, to be subtracted.
 
     Raises:
@@ -247,8 +247,8 @@ def lqr_gains(
     feedback = feedback_matrix(plant, weights, vehicle_mass)
     gains: dict[str, Array] = {}
     for names, part in (
-        (("payload_position", "attitude", "vehicle_position"), feedback[:, : plant.count]),
-        (("payload_velocity", "attitude_rate", "vehicle_velocity"), feedback[:, plant.count :]),
+        (("payload_position", "payload_attitude", "vehicle_position"), feedback[:, : plant.count]),
+        (("payload_velocity", "payload_rate", "vehicle_velocity"), feedback[:, plant.count :]),
     ):
         flat = part @ plant.place
         gains[names[0]] = flat[:, :3].reshape(n, 3, 3)

@@ -29,11 +29,11 @@ class Lqr : public Law<R> {
           vehicle_velocity(vehicle_position),
           payload_position(n, every(required)),
           payload_velocity(payload_position),
-          attitude(payload_position),
-          attitude_rate(payload_position) {}
+          payload_attitude(payload_position),
+          payload_rate(payload_position) {}
 
     std::vector<std::vector<Matrix>> vehicle_position, vehicle_velocity;
-    std::vector<Matrix> payload_position, payload_velocity, attitude, attitude_rate;
+    std::vector<Matrix> payload_position, payload_velocity, payload_attitude, payload_rate;
     R feedforward{1.0};
 
     static Matrix every(double x) {
@@ -52,10 +52,10 @@ class Lqr : public Law<R> {
         self.payload_position);
       v(Field{"payload_velocity", "N s/m", Range::any, "per error of its velocity"},
         self.payload_velocity);
-      v(Field{"attitude", "N/rad", Range::any, "per error of its attitude about its axes"},
-        self.attitude);
-      v(Field{"attitude_rate", "N s/rad", Range::any, "per error of its angular rate"},
-        self.attitude_rate);
+      v(Field{"payload_attitude", "N/rad", Range::any, "per error of its attitude about its axes"},
+        self.payload_attitude);
+      v(Field{"payload_rate", "N s/rad", Range::any, "per error of its angular rate"},
+        self.payload_rate);
       v(Field{"feedforward", "", Range::non_negative,
               "how much of the force that the reference's acceleration takes is commanded ahead: 0 "
               "none, 1 all"},
@@ -85,8 +85,8 @@ class Lqr : public Law<R> {
     }
     for (std::size_t i = 0; i < force.size(); ++i) {
       Vec3<R> asked = times(gains_.payload_position[i], x) + times(gains_.payload_velocity[i], v) +
-                      times(gains_.attitude[i], attitude.error) +
-                      times(gains_.attitude_rate[i], spin);
+                      times(gains_.payload_attitude[i], attitude.error) +
+                      times(gains_.payload_rate[i], spin);
       for (std::size_t j = 0; j < force.size(); ++j)
         asked += times(gains_.vehicle_position[i][j], position_[j]) +
                  times(gains_.vehicle_velocity[i][j], velocity_[j]);
