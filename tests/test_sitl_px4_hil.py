@@ -4,8 +4,10 @@ import math
 import select
 import socket
 import struct
+import sys
 
 import pytest
+from multilift.errors import MissingExtraError
 from multilift.flight.sitl import px4_hil
 from multilift.flight.sitl.autopilot import Pose, Sample, SitlError
 from multilift.flight.sitl.px4_hil import Decoder, Encoder, Px4Link
@@ -212,6 +214,12 @@ def test_a_firmware_that_does_not_wait_is_refused(link, firmwares):
     firmware.wire.sendall(actuators(1, CONTROLS, 129, 0))
     with pytest.raises(SitlError, match="vehicle_1: PX4 does not wait"):
         take(link)
+
+
+def test_without_pymavlink_it_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'multilift\[fly\]'"):
+        Px4Link(0, port=0)
 
 
 def test_it_listens_on_loopback_only_and_says_whose_port_is_taken(link):
