@@ -63,7 +63,7 @@ def test_sensors_stand_on_the_wire_as_the_guide_lays_them_out():
 def test_poses_and_fixes_and_truth_stand_on_the_wire_too():
     encoder = Encoder()
     nan = struct.unpack("<I", struct.pack("<f", math.nan))[0]
-    pose = struct.pack("<Q6fI80xB", 1004000, 1.0, 2.0, -3.0, 0.125, -0.25, 3.0, nan, 0)
+    pose = struct.pack("<Q6f21IB", 1004000, 1.0, 2.0, -3.0, 0.125, -0.25, 3.0, *[nan] * 21, 0)
     assert encoder.pose(SAMPLE) == frame(102, 158, pose)
     decoder = common.MAVLink(None)
     (fix,) = decoder.parse_buffer(encoder.gps(SAMPLE))

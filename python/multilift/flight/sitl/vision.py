@@ -22,9 +22,12 @@ _MOST_AT_ONCE = 64
 
 
 def message(dialect: Any, pose: Pose, microseconds: int) -> Any:
-    """VISION_POSITION_ESTIMATE of a pose; its covariance is not known."""
+    """VISION_POSITION_ESTIMATE of a pose; its covariance is not known.
+
+    The standard asks for a first entry that is no number; PX4's simulator interface reads each.
+    """
     return dialect.MAVLink_vision_position_estimate_message(
-        microseconds, *pose.position, *pose.euler, [math.nan] + [0.0] * 20
+        microseconds, *pose.position, *pose.euler, [math.nan] * 21
     )
 
 
