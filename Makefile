@@ -11,13 +11,13 @@ SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
   $(shell find core/include bindings python scenarios studies vehicles -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help reproduce test test-ray fuzz-sitl lint format bench bench-growth bench-study docs wheel clean
+.PHONY: help reproduce test test-ray fuzz lint format bench bench-growth bench-study docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
 	@echo "make test        all tests"
 	@echo "make test-ray    studies on a Ray cluster of two nodes, one of which is killed"
-	@echo "make fuzz-sitl   millions of broken messages for the decoders of the physics protocols"
+	@echo "make fuzz        millions of messages that nobody should send: motion capture, physics"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -50,7 +50,8 @@ test: $(VENV)/.with-test
 test-ray: $(VENV)/.with-test $(VENV)/.with-ray
 	$(BIN)/python -m pytest tests/test_study_ray.py
 
-fuzz-sitl: $(VENV)/.with-test
+fuzz: $(VENV)/.with-test
+	$(BIN)/python tests/rt_fuzz.py
 	$(BIN)/python tests/fuzz_sitl.py 5000000 1
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint

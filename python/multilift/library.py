@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from multilift.errors import ScenarioError
 
@@ -41,6 +43,24 @@ def find_study(path: str | Path) -> Path:
         ScenarioError: if there is neither.
     """
     return _find(path, studies(), "'multilift study --list' lists what is shipped")
+
+
+def read(file: Path, where: str) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises:
+        ScenarioError: if it cannot be read or is not TOML.
+    """
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"cannot be read: {error}", where=where) from None
+    except RecursionError:
+        raise ScenarioError("is nested too deeply", where=where) from None
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(
+            f"is not valid TOML: {error}", where=where, advice="mend the line named"
+        ) from None
 
 
 def _find(path: str | Path, shipped_files: list[Path], advice: str) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path
@@ -13,7 +12,6 @@ import numpy as np
 import tomli_w
 
 from multilift import keys, models, schema, validation
-from multilift.errors import ScenarioError
 from multilift.models import Model
 from multilift.quantities import Quantities
 
@@ -171,18 +169,7 @@ def load(path: str | Path) -> Scenario:
     from multilift import library  # noqa: PLC0415 - library lists scenarios by loading them
 
     file = library.find(path)
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"cannot be read: {error}", where=str(path)) from None
-    try:
-        raw = tomllib.loads(text)
-    except RecursionError:
-        raise ScenarioError("is nested too deeply", where=str(path)) from None
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(
-            f"is not valid TOML: {error}", where=str(path), advice="mend the line named"
-        ) from None
+    raw = library.read(file, str(path))
     raw.setdefault("name", file.stem)
     return Scenario(raw, str(path))
 

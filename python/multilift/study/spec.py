@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -162,14 +161,7 @@ def load(path: str | Path, *, count: int | None = None) -> Study:
             permitted and what to do.
     """
     file = library.find_study(path)
-    try:
-        raw = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"cannot be read: {error}", where=str(path)) from None
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(
-            f"is not valid TOML: {error}", where=str(path), advice="mend the line named"
-        ) from None
+    raw = library.read(file, str(path))
     raw.setdefault("name", file.stem)
     if count is not None:
         raw["count"] = count

@@ -1,0 +1,1 @@
+"""From poses to positions, velocities, attitudes, rates and cable directions, each with an age."""

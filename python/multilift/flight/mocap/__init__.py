@@ -1,0 +1,1 @@
+"""Motion capture: sources of poses, and a Qualisys RT server of our own."""
