@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "offline_math",
     "scenario_reference",
+    "flight_reference",
 ]
 exclude_patterns = ["_build", "generated"]
 myst_enable_extensions = ["deflist", "dollarmath"]

@@ -3,7 +3,7 @@
 import socket
 import stat
 import sys
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import multilift as ml
@@ -29,33 +29,47 @@ def program(folder, kind):
     return file
 
 
-def free_instance(count=2):
-    """The first of so many instances none of whose ports is taken."""
-    for first in range(3, 100):
-        with ExitStack() as stack:
+@contextmanager
+def instances(count=2):
+    """The first of so many instances whose ports are free, and stay so for other tests' sake."""
+    for first in range(3, 200, count):
+        with ExitStack() as taken:
             try:
+                # Who holds this one has the instances.
+                claim = taken.enter_context(closing(socket.socket(type=socket.SOCK_DGRAM)))
+                claim.bind(("127.0.0.1", 24640 + first))
                 for i in range(first, first + count):
                     for kind, port in (
                         (socket.SOCK_STREAM, 4560 + i),
                         (socket.SOCK_DGRAM, 9002 + 10 * i),
                         (socket.SOCK_DGRAM, 14640 + i),
                     ):
-                        probe = stack.enter_context(closing(socket.socket(type=kind)))
-                        probe.bind(("127.0.0.1", port))
+                        with closing(socket.socket(type=kind)) as probe:
+                            probe.bind(("127.0.0.1", port))
             except OSError:
                 continue
-            return first
+            yield first
+            return
     raise AssertionError("no free ports")
+
+
+@contextmanager
+def instances_of_fakes(monkeypatch, targets=ABOVE):
+    """The same, for fake firmware that is told where to go."""
+    with instances() as first:
+        monkeypatch.setenv("FAKE_FIRST", str(first))
+        monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in targets))
+        yield first
 
 
 def make(kind, path, first):
     return {"px4": firmwares.Px4, "ardupilot": firmwares.ArduPilot}[kind](path, first)
 
 
-def run(kind, path, folder, *, duration, each=None, first=None):
+def run(kind, path, folder, first, *, duration, each=None):
     """Flies bar_from_floor by a firmware; the physics and the progress."""
     scenario = ml.load("bar_from_floor")
-    firmware = make(kind, path, free_instance() if first is None else first)
+    firmware = make(kind, path, first)
     physics = Physics(scenario)
     with ExitStack() as stack:
         links = [stack.enter_context(closing(firmware.link(i))) for i in range(physics.count)]
@@ -67,9 +81,7 @@ def run(kind, path, folder, *, duration, each=None, first=None):
     return physics, progress
 
 
-def fly(kind, path, folder, monkeypatch, *, duration, targets=ABOVE, each=None):
-    """The same by fake firmware, which is told where to go."""
-    first = free_instance()
-    monkeypatch.setenv("FAKE_FIRST", str(first))
-    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in targets))
-    return run(kind, path, folder, duration=duration, each=each, first=first)
+def fly(kind, path, folder, monkeypatch, *, duration, each=None):
+    """The same by fake firmware."""
+    with instances_of_fakes(monkeypatch) as first:
+        return run(kind, path, folder, first, duration=duration, each=each)

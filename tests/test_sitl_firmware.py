@@ -50,6 +50,12 @@ def pids(folder, name="pid"):
     raise AssertionError("nobody wrote")
 
 
+@pytest.fixture
+def first(monkeypatch):
+    with sitl_flights.instances_of_fakes(monkeypatch) as instance:
+        yield instance
+
+
 @pytest.mark.parametrize("kind", ["px4", "ardupilot"])
 def test_a_program_is_found_by_itself_by_its_build_and_by_its_sources(kind, tmp_path):
     build = {"px4": "build/px4_sitl_default", "ardupilot": "build/sitl/bin"}[kind]
@@ -141,11 +147,8 @@ def test_a_program_that_is_none_is_told(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["px4", "ardupilot"])
-def test_the_command_flies_and_leaves_the_output(kind, tmp_path, monkeypatch):
+def test_the_command_flies_and_leaves_the_output(kind, tmp_path, monkeypatch, first):
     file = sitl_flights.program(tmp_path / "fw", kind)
-    first = sitl_flights.free_instance()
-    monkeypatch.setenv("FAKE_FIRST", str(first))
-    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in sitl_flights.ABOVE))
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))
     result = multilift(
         "sitl", f"--{kind}", str(file), "--first", str(first), "--duration", "2", "--speed", "0",
@@ -159,11 +162,8 @@ def test_the_command_flies_and_leaves_the_output(kind, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-def test_the_command_is_interrupted_and_leaves_nobody_behind(how, tmp_path, monkeypatch):
+def test_the_command_is_interrupted_and_leaves_nobody_behind(how, tmp_path, monkeypatch, first):
     file = sitl_flights.program(tmp_path / "fw", "px4")
-    first = sitl_flights.free_instance()
-    monkeypatch.setenv("FAKE_FIRST", str(first))
-    monkeypatch.setenv("FAKE_TARGETS", ";".join(",".join(map(str, t)) for t in sitl_flights.ABOVE))
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))
     arguments = ["sitl", "--px4", str(file), "--first", str(first), "--logs", "kept"]
     with subprocess.Popen(
@@ -205,7 +205,8 @@ def test_real_firmware_boots_beside_the_model_and_stands_still(kind, variable, t
     path = os.environ.get(variable)
     if not path:
         pytest.skip(f"{variable} is not set")
-    physics, done = sitl_flights.run(kind, Path(path), tmp_path, duration=20.0)
+    with sitl_flights.instances() as first:
+        physics, done = sitl_flights.run(kind, Path(path), tmp_path, first, duration=20.0)
     assert done.simulated == pytest.approx(20.0, abs=0.004)
     start = np.array(SCENARIO["start.vehicle_position"])
     assert np.abs(physics.world.vehicle - start).max() < 0.02

@@ -1,4 +1,4 @@
-"""A sample of the decoders' fuzzing; `make fuzz-sitl` gives them millions."""
+"""A sample of the decoders' fuzzing; `make fuzz` gives them millions."""
 
 import fuzz_sitl
 import pytest

@@ -173,3 +173,17 @@ def test_two_firmwares_take_off_lift_the_bar_and_hold_it(kind, tmp_path, monkeyp
     assert min(lowest) > 1.3
     told = [i.what for i in world.incidents]
     assert told.count("lift_off") == 3
+
+
+def test_a_flight_is_the_same_again_to_the_last_bit(tmp_path, monkeypatch):
+    """Who answers first, and how long that takes, changes nothing."""
+    file = sitl_flights.program(tmp_path / "firmware", "ardupilot")
+    ends = [
+        sitl_flights.fly("ardupilot", file, tmp_path / str(k), monkeypatch, duration=3.0)[0]
+        for k in range(2)
+    ]
+    for name in ("vehicle", "vehicle_attitude", "rotor_speed", "payload"):
+        first, second = (getattr(physics.world, name) for physics in ends)
+        assert first.tobytes() == second.tobytes(), name
+    assert ends[0].motions == ends[1].motions
+    assert ends[0].world.vehicle[0, 2] > 0.5

@@ -6,6 +6,8 @@ import multilift as ml
 import numpy as np
 import pytest
 from multilift.errors import ScenarioError
+from multilift.flight.link.firmware import ARDUPILOT as LINK_ARDUPILOT
+from multilift.flight.link.firmware import PX4 as LINK_PX4
 from multilift.flight.sitl import motors, parameters
 from multilift.flight.sitl.physics import Physics
 
@@ -99,3 +101,11 @@ def test_shipped_parameters_have_names_that_fit_and_numbers(firmware):
     for name, value in values.items():
         assert len(name) <= 16
         assert math.isfinite(value)
+
+
+@pytest.mark.parametrize("firmware", [LINK_PX4, LINK_ARDUPILOT], ids=lambda f: f.name)
+def test_shipped_parameters_are_those_without_which_the_link_lets_nobody_arm(firmware):
+    shipped = parameters.shipped(firmware.name)
+    assert {s.name: shipped.get(s.name) for s in firmware.settings} == {
+        s.name: s.value for s in firmware.settings
+    }

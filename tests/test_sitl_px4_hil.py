@@ -4,8 +4,10 @@ import math
 import select
 import socket
 import struct
+import sys
 
 import pytest
+from multilift.errors import MissingExtraError
 from multilift.flight.sitl import px4_hil
 from multilift.flight.sitl.autopilot import Pose, Sample, SitlError
 from multilift.flight.sitl.px4_hil import Decoder, Encoder, Px4Link
@@ -61,7 +63,7 @@ def test_sensors_stand_on_the_wire_as_the_guide_lays_them_out():
 def test_poses_and_fixes_and_truth_stand_on_the_wire_too():
     encoder = Encoder()
     nan = struct.unpack("<I", struct.pack("<f", math.nan))[0]
-    pose = struct.pack("<Q6fI80xB", 1004000, 1.0, 2.0, -3.0, 0.125, -0.25, 3.0, nan, 0)
+    pose = struct.pack("<Q6f21IB", 1004000, 1.0, 2.0, -3.0, 0.125, -0.25, 3.0, *[nan] * 21, 0)
     assert encoder.pose(SAMPLE) == frame(102, 158, pose)
     decoder = common.MAVLink(None)
     (fix,) = decoder.parse_buffer(encoder.gps(SAMPLE))
@@ -212,6 +214,12 @@ def test_a_firmware_that_does_not_wait_is_refused(link, firmwares):
     firmware.wire.sendall(actuators(1, CONTROLS, 129, 0))
     with pytest.raises(SitlError, match="vehicle_1: PX4 does not wait"):
         take(link)
+
+
+def test_without_pymavlink_it_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'multilift\[fly\]'"):
+        Px4Link(0, port=0)
 
 
 def test_it_listens_on_loopback_only_and_says_whose_port_is_taken(link):

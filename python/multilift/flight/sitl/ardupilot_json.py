@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from multilift.errors import MultiliftError
 from multilift.flight.sitl import motors
-from multilift.flight.sitl.autopilot import LOOPBACK, STOPPED, Sample, port_taken
+from multilift.flight.sitl.autopilot import STOPPED, Sample, bound
 from multilift.flight.sitl.vision import VisionPort
 
 FIRST_PORT = 9002
@@ -142,14 +142,8 @@ class ArduPilotLink:
         self.period = 1.0 / 400.0
         self.answered = False
         self._vision = vision
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
         chosen = FIRST_PORT + PORT_STEP * index if port is None else port
-        try:
-            self._socket.bind((LOOPBACK, chosen))
-        except OSError as error:
-            self._socket.close()
-            raise port_taken(self.name, "UDP", chosen, error) from None
+        self._socket = bound(socket.SOCK_DGRAM, self.name, chosen)
         self._peer: tuple[str, int] | None = None
         self._frame = -1
         self._reply = b""

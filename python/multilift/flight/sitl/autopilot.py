@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from typing import NamedTuple, Protocol
 
 from multilift.errors import MultiliftError
@@ -102,9 +103,24 @@ class Autopilot(Protocol):
         ...
 
 
-def port_taken(name: str, kind: str, port: int, error: OSError) -> SitlError:
-    """A port that cannot be had, in words."""
-    return SitlError(
-        f"{name}: {kind} port {port} cannot be had: {error.strerror}\n"
-        "  what to do: end the other simulation that listens there"
-    )
+def bound(kind: socket.SocketKind, name: str, port: int) -> socket.socket:
+    """A socket at a port of loopback that never makes anyone wait; 0 for any that is free.
+
+    Raises:
+        SitlError: naming whose port is taken.
+    """
+    made = socket.socket(socket.AF_INET, kind)
+    made.setblocking(False)
+    if kind == socket.SOCK_STREAM:
+        # The last simulation's connections may linger; they take nothing away.
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((LOOPBACK, port))
+    except OSError as error:
+        made.close()
+        protocol = "TCP" if kind == socket.SOCK_STREAM else "UDP"
+        raise SitlError(
+            f"{name}: {protocol} port {port} cannot be had: {error.strerror}\n"
+            "  what to do: end the other simulation that listens there"
+        ) from None
+    return made

@@ -82,7 +82,7 @@ class Px4:
                 "PX4_SIMULATOR": "none",
                 "PX4_SIM_MODEL": "none_iris",
                 "PX4_SYS_AUTOSTART": str(_PX4_AIRFRAME),
-                **{f"PX4_PARAM_{key}": f"{value:g}" for key, value in values.items()},
+                **{f"PX4_PARAM_{key}": f"{value:.9g}" for key, value in values.items()},
             },
             {},
         )
@@ -134,7 +134,7 @@ class ArduPilot:
                 "--wipe",
             ),
             {},
-            {"defaults.parm": "".join(f"{key} {value:g}\n" for key, value in values.items())},
+            {"defaults.parm": "".join(f"{key} {value:.9g}\n" for key, value in values.items())},
         )  # fmt: skip
 
     def link(self, index: int) -> Autopilot:

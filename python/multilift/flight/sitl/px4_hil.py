@@ -12,7 +12,7 @@ import socket
 from typing import Any, NamedTuple
 
 from multilift.flight.sitl import geodesy, mavlink, motors, vision
-from multilift.flight.sitl.autopilot import LOOPBACK, STOPPED, Sample, SitlError, port_taken
+from multilift.flight.sitl.autopilot import STOPPED, Sample, SitlError, bound
 
 FIRST_PORT = 4560
 
@@ -174,15 +174,8 @@ class Px4Link:
         self._encoder = Encoder()
         self._forget()
         self._connection: socket.socket | None = None
-        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self._server.setblocking(False)
         chosen = FIRST_PORT + index if port is None else port
-        try:
-            self._server.bind((LOOPBACK, chosen))
-        except OSError as error:
-            self._server.close()
-            raise port_taken(self.name, "TCP", chosen, error) from None
+        self._server = bound(socket.SOCK_STREAM, self.name, chosen)
         self._server.listen(1)
 
     def _forget(self) -> None:

@@ -11,7 +11,7 @@ import socket
 from typing import Any
 
 from multilift.flight.sitl import geodesy, mavlink
-from multilift.flight.sitl.autopilot import LOOPBACK, Pose, Sample, port_taken
+from multilift.flight.sitl.autopilot import Pose, Sample, bound
 
 FIRST_PORT = 14640
 
@@ -22,9 +22,12 @@ _MOST_AT_ONCE = 64
 
 
 def message(dialect: Any, pose: Pose, microseconds: int) -> Any:
-    """VISION_POSITION_ESTIMATE of a pose; its covariance is not known."""
+    """VISION_POSITION_ESTIMATE of a pose; its covariance is not known.
+
+    The standard asks for a first entry that is no number; PX4's simulator interface reads each.
+    """
     return dialect.MAVLink_vision_position_estimate_message(
-        microseconds, *pose.position, *pose.euler, [math.nan] + [0.0] * 20
+        microseconds, *pose.position, *pose.euler, [math.nan] * 21
     )
 
 
@@ -47,14 +50,8 @@ class VisionPort:
         self._target = instance + 1
         self._peer: Any = None
         self._origin_at = 0.0
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
         chosen = FIRST_PORT + instance if port is None else port
-        try:
-            self._socket.bind((LOOPBACK, chosen))
-        except OSError as error:
-            self._socket.close()
-            raise port_taken(f"instance {instance}, vision", "UDP", chosen, error) from None
+        self._socket = bound(socket.SOCK_DGRAM, f"instance {instance}, vision", chosen)
 
     @property
     def port(self) -> int:
