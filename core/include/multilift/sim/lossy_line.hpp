@@ -49,8 +49,8 @@ class LossyLine {
         current_.visit_scalars(newest, [](auto& mine, const auto& its) { mine = its; });
         break;
       }
-      current_.visit_scalars(
-          newest, [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
+      current_.visit_scalars(newest,
+                             [k](auto& mine, const auto& its) { set_lane(mine, k, lane(its, k)); });
     }
     return current_;
   }

@@ -77,7 +77,7 @@ template <Real R>
 struct Coupling {
   std::vector<R> kappa, c;
   std::vector<R> one_and_c, c_apart;  // 1 + c, and c less its mean
-  R swing{0.0};  // n^2 k_lambda
+  R swing{0.0};                       // n^2 k_lambda
   R mean_c{0.0};
 
   Coupling(const Parameters<R>& p, const StorageGains<R>& gains) {
