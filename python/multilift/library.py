@@ -27,6 +27,11 @@ def studies() -> list[Path]:
     return sorted(folder("studies").glob("*.toml"))
 
 
+def tunings() -> list[Path]:
+    """The shipped tuning files, by name."""
+    return sorted(folder("tunings").glob("*.toml"))
+
+
 def find(path: str | Path) -> Path:
     """The file at `path`, or the shipped scenario of that name.
 
@@ -43,6 +48,15 @@ def find_study(path: str | Path) -> Path:
         ScenarioError: if there is neither.
     """
     return _find(path, studies(), "'multilift study --list' lists what is shipped")
+
+
+def find_tuning(path: str | Path) -> Path:
+    """The file at `path`, or the shipped tuning of that name.
+
+    Raises:
+        ScenarioError: if there is neither.
+    """
+    return _find(path, tunings(), "'multilift tune --list' lists what is shipped")
 
 
 def read(file: Path, where: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from multilift import keys
 from multilift.errors import ScenarioError
 
 if TYPE_CHECKING:
+    from multilift.scenario import Scenario
     from multilift.study.spec import Study
     from multilift.study.vary import Vary
 
@@ -38,51 +39,59 @@ def check(study: Study) -> None:
     Raises:
         ScenarioError: naming file, key, value, permitted values and what to do.
     """
-    _check_names(study)
-    _check_collisions(study)
+    check_names(study.vary, study.where)
+    check_collisions(study.vary, study.where)
     for k, varied in enumerate(study.vary):
-        _check_ends(study, k, varied)
+        check_ends(study.scenario, varied, f"vary[{k}]", study.where)
 
 
-def _check_names(study: Study) -> None:
+def check_names(vary: Sequence[Vary], where: str, table: str = "vary") -> None:
+    """Names of varied numbers, which are names of columns, differ."""
     seen: dict[str, int] = {}
-    for k, varied in enumerate(study.vary):
-        taken = f"vary[{seen[varied.name]}]" if varied.name in seen else ""
+    for k, varied in enumerate(vary):
+        taken = f"{table}[{seen[varied.name]}]" if varied.name in seen else ""
         taken = "every row" if varied.name in RESERVED[:-1] else taken
         if taken:
             raise ScenarioError(
-                f"is the name of a column of {taken} already", where=study.where,
-                key=f"vary[{k}].name", value=varied.name, advice="give it another name",
+                f"is the name of a column of {taken} already", where=where,
+                key=f"{table}[{k}].name", value=varied.name, advice="give it another name",
             )  # fmt: skip
         seen[varied.name] = k
 
 
-def _check_collisions(study: Study) -> None:
+def check_collisions(vary: Sequence[Vary], where: str, table: str = "vary") -> None:
     """No two numbers may move the same place of the scenario."""
     seen: dict[tuple[keys.Step, ...], int] = {}
-    for k, varied in enumerate(study.vary):
+    for k, varied in enumerate(vary):
         for target in varied.targets:
             steps = keys.parse(target.key)
             for other, by in seen.items():
                 shorter = min(len(other), len(steps))
                 if other[:shorter] == steps[:shorter]:
                     raise ScenarioError(
-                        f"is moved by vary[{by}] too", where=study.where, key=f"vary[{k}].key",
+                        f"is moved by {table}[{by}] too", where=where, key=f"{table}[{k}].key",
                         value=target.key, advice="let each key move with one number",
                     )  # fmt: skip
             seen[steps] = k
 
 
-def _check_ends(study: Study, k: int, varied: Vary) -> None:
-    key = f"vary[{k}]"
+def check_ends(scenario: Scenario, varied: Vary, key: str, where: str) -> None:
+    """The scenario permits a varied number's least and greatest value.
+
+    Args:
+        scenario: whose keys it moves.
+        varied: the number.
+        key: its place in the file, such as ``vary[0]``.
+        where: the file, for errors.
+    """
     for target in varied.targets:
         try:
-            own = study.scenario[target.key]
+            own = scenario[target.key]
         except KeyError:  # a place of an array that the scenario leaves out
             own = None
         if varied.apply != "set" and own is None:
             raise ScenarioError(
-                "has no value of its own", where=study.where, key=f"{key}.key", value=target.key,
+                "has no value of its own", where=where, key=f"{key}.key", value=target.key,
                 advice=f"give it in the scenario, or use apply = \"set\" instead of {varied.apply}",
             )  # fmt: skip
     low, high = varied.bounds()
@@ -91,9 +100,9 @@ def _check_ends(study: Study, k: int, varied: Vary) -> None:
         ends = {end: x if np.isfinite(x) else varied.mean + sign * _FARTHEST * varied.std
                 for (end, x), sign in zip(ends.items(), (-1, 1), strict=True)}  # fmt: skip
     for end, x in ends.items():
-        changes = varied.overrides(study.scenario, np.array([x]))
+        changes = varied.overrides(scenario, np.array([x]))
         try:
-            study.scenario.with_values(
+            scenario.with_values(
                 {target: float(v[0]) if v.ndim == 1 else v[0].tolist()
                  for target, v in changes.items()}
             )  # fmt: skip
@@ -104,7 +113,7 @@ def _check_ends(study: Study, k: int, varied: Vary) -> None:
             )  # fmt: skip
             raise ScenarioError(
                 f"reaches {x:.6g}, which the scenario does not permit{bound}:\n{_indented(error)}",
-                where=study.where,
+                where=where,
                 key=f"{key}.{entry}",
                 advice=f"narrow {key}, or change what else stands against it with [set]",
             ) from None

@@ -49,7 +49,7 @@ def draw(study: Study, start: int, stop: int) -> dict[str, NDArray[np.float64] |
     if study.sampled:
         unit = _unit_draws(study, first, last)
         for k, varied in enumerate(study.sampled):
-            result[varied.name] = _transform(varied, unit[:, k])[samples - first]
+            result[varied.name] = transform(varied, unit[:, k])[samples - first]
     if study.draws_noise:
         raw = _stream(study.seed, SEED, first, last)
         result[SEED] = (raw >> np.uint64(33)).astype(np.int64)[samples - first]
@@ -65,7 +65,7 @@ def _unit_draws(study: Study, first: int, last: int) -> Array:
         # 52 bits and a half, without rounding: neither 0 nor 1 can be drawn.
         return np.stack([((raw >> np.uint64(12)) + 0.5) * 2.0**-52 for raw in columns], axis=1)
     if study.method == "sobol":
-        points = _sobol(len(study.sampled), study.seed, first, last)
+        points = sobol(len(study.sampled), study.seed, first, last)
     else:
         points = _latin_hypercube(len(study.sampled), study.count, study.seed)[first:last]
     return np.asarray(np.clip(points, 2.0**-54, 1.0 - 2.0**-53), dtype=float)
@@ -80,7 +80,12 @@ def _stream(seed: int, name: str, first: int, last: int) -> NDArray[np.uint64]:
     return np.asarray(raw[first - 4 * block :], dtype=np.uint64)
 
 
-def _sobol(dimensions: int, seed: int, first: int, last: int) -> Array:
+def sobol(dimensions: int, seed: int, first: int, last: int) -> Array:
+    """Scrambled Sobol points `first` to `last`, shape (last - first, dimensions).
+
+    Raises:
+        MissingExtraError: without SciPy.
+    """
     qmc = _scipy("stats.qmc", "Sobol sequences")
     with warnings.catch_warnings():  # counts that are no power of two are the user's choice
         warnings.simplefilter("ignore", UserWarning)
@@ -97,7 +102,7 @@ def _latin_hypercube(dimensions: int, count: int, seed: int) -> Array:
     return np.asarray(qmc.LatinHypercube(dimensions, rng=rng).random(count), dtype=float)
 
 
-def _transform(varied: Vary, u: Array) -> Array:
+def transform(varied: Vary, u: Array) -> Array:
     """From (0, 1) to the entry's distribution, by the inverse of its distribution function."""
     if varied.distribution == "uniform":
         return np.asarray(varied.low + (varied.high - varied.low) * u, dtype=float)

@@ -186,9 +186,36 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Study:
         raise ScenarioError("is not a version this multilift reads", where=where, key="schema",
                             value=raw["schema"], permitted="1")  # fmt: skip
     base, reference = _scenario(raw, where, folder)
-    changes = _changes(raw.get("set", {}), where)
+    changes = changes_of(raw.get("set", {}), where)
     with checks.naming(where, "set"):
         base = base.with_values(changes)
+    return _study(raw, base, reference, changes, where)
+
+
+def of_scenario(
+    raw: Mapping[str, Any], base: Scenario, changes: dict[str, Any], where: str
+) -> Study:
+    """A study of a scenario at hand, under its own law.
+
+    Args:
+        raw: what a study's file holds besides ``scenario``, ``controllers`` and ``set``.
+        base: the scenario.
+        changes: what ``set`` has changed in it already.
+        where: for errors.
+
+    Raises:
+        ScenarioError: see `load`.
+    """
+    permitted = ("schema", "count", "seed", "method", "vary")
+    for key, value in raw.items():
+        if key not in permitted:
+            raise schema.unknown_key(where, key, value, (*permitted, "set"))
+    return _study(raw, base, base.name, changes, where)
+
+
+def _study(
+    raw: Mapping[str, Any], base: Scenario, reference: str, changes: dict[str, Any], where: str
+) -> Study:
     entries = raw.get("vary", [])
     if not isinstance(entries, list) or not entries:
         raise ScenarioError("is missing" if not entries else "is not a list of tables",
@@ -209,7 +236,7 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Study:
         seed=_whole(raw, "seed", where, default=0, least=0, most=2**63 - 1),
         method=_text(raw, "method", where, "random", METHODS),
         vary=varied,
-        success=tuple(_criteria(raw, base, where)),
+        success=tuple(criteria(raw, base, where)),
         metrics=_metrics(raw, base, where),
         maps=tuple(_maps(raw, base, varied, where)),
     )
@@ -257,7 +284,7 @@ def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> tuple[Scenari
     return loaded, path if Path(path).is_file() else given
 
 
-def _changes(given: Any, where: str) -> dict[str, Any]:
+def changes_of(given: Any, where: str) -> dict[str, Any]:
     """``[set]`` with nested tables as dotted keys."""
     if not isinstance(given, Mapping):
         raise ScenarioError("is not a table", where=where, key="set", value=given,
@@ -308,13 +335,20 @@ def _count(raw: Mapping[str, Any], varied: tuple[Vary, ...], where: str) -> int:
     return count
 
 
-def _criteria(raw: Mapping[str, Any], base: Scenario, where: str) -> list[Criterion]:
+def criteria(
+    raw: Mapping[str, Any], base: Scenario, where: str, table: str = "success"
+) -> list[Criterion]:
+    """What the entries of a list of tables ask of a scenario's metrics.
+
+    Raises:
+        ScenarioError: for unknown metrics, and bounds between which nothing lies.
+    """
     result = []
-    for k, entry in enumerate(_tables(raw, "success", where)):
-        reader = Reader(entry, f"success[{k}]", where)
+    for k, entry in enumerate(_tables(raw, table, where)):
+        reader = Reader(entry, f"{table}[{k}]", where)
         reader.refuse_unknown(("metric", "below", "above"))
         metric = reader.text("metric")
-        _known_quantity(metric, base, where, f"success[{k}].metric")
+        _known_quantity(metric, base, where, f"{table}[{k}].metric")
         if "below" not in entry and "above" not in entry:
             raise reader.fail("below", "is missing, and so is above", "a number for one or both")
         unit = quantities_of(base)[metric].unit
