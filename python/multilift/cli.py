@@ -16,6 +16,7 @@ from rich.table import Table
 import multilift as ml
 from multilift import library, storage
 from multilift.cli_compare import compare
+from multilift.cli_limit import limit
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
@@ -191,6 +192,11 @@ def _print_study(result: Any, *, local: bool) -> None:
         )
     _out.print(f"Report: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
 
+
+app.command(
+    epilog="Examples:  multilift limit sim1  |  multilift limit exp1_1 -o out/limit --beside pd "
+    "--beside energy_coupled  |  multilift limit sim2 --least swing --time 3 --forces 5,6"
+)(limit)
 
 app.command(
     epilog="Examples:  multilift compare -o out/compare  |  multilift compare uneven_four my.toml "
