@@ -26,10 +26,20 @@ DEGREE = 3
 REST_OF_EFFORT = 1e-4
 #: A move longer than this many guesses is not looked for.
 LONGEST = 20.0
-ITERATIONS = 250
-#: Barrier strategies of IPOPT, the first that converges counts: where one cycles, the other does
-#: not.
-STRATEGIES = ("adaptive", "monotone")
+#: IPOPT's, where the search begins afresh; the second is tried where the first does not converge.
+FRESH = (
+    {"mu_strategy": "adaptive", "max_iter": 250},
+    {"mu_strategy": "monotone", "max_iter": 250},
+)
+#: And where it begins at a coarser mesh's answer.
+WARM = ({"mu_strategy": "monotone", "mu_init": 1e-4, "max_iter": 100},)
+#: For both. Many motions of many vehicles hardly matter to the time: the search may end where the
+#: objective stands, since what it found is flown.
+COMMON = {
+    "print_level": 0, "sb": "yes", "linear_solver": "mumps", "tol": 1e-8,
+    "constr_viol_tol": 1e-9, "acceptable_tol": 1e-4, "acceptable_constr_viol_tol": 1e-8,
+    "acceptable_obj_change_tol": 1e-6, "acceptable_iter": 6,
+}  # fmt: skip
 
 OBJECTIVES = ("time", "effort", "swing")
 
@@ -120,14 +130,8 @@ def solve(
     begin = _guess(move, mesh, guess, roots, time)
     low, high = _bounds(move, mesh, time)
     problem = {"x": unknowns, "f": blend, "g": ca.vertcat(*constraints)}
-    for strategy in STRATEGIES:
-        options = {
-            "ipopt": {
-                "print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-9,
-                "constr_viol_tol": 1e-10, "mu_strategy": strategy, "linear_solver": "mumps",
-            },
-            "print_time": False,
-        }  # fmt: skip
+    for tried in FRESH if guess is None else WARM:
+        options = {"ipopt": {**COMMON, **tried}, "print_time": False}
         solver = ca.nlpsol("limit", "ipopt", problem, options)
         found = solver(
             x0=begin, lbx=low, ubx=high, lbg=np.concatenate(lower), ubg=np.concatenate(upper)
