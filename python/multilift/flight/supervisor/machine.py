@@ -92,6 +92,11 @@ class Supervisor:
     def __post_init__(self) -> None:
         self._forget()
 
+    @property
+    def lasted(self) -> float:
+        """How long the state has, s."""
+        return self._now - self._since if math.isfinite(self._since) else 0.0
+
     def _forget(self) -> None:
         self._armed_at, self._by_itself = math.inf, False
         self._doomed, self._cut = [None] * self.count, [False] * self.count

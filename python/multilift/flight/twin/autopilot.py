@@ -101,6 +101,7 @@ class TwinAutopilot:
         unix: time of day at its start, for signatures, s.
         voltage: of its battery, V.
         charge: of its battery, 0 to 1.
+        strength: what its battery leaves of a command's thrust.
         armed, mode: as its heartbeat says.
         parameters: by name.
         ignored: set-points for others, or of which it takes no part.
@@ -115,6 +116,7 @@ class TwinAutopilot:
     unix: float = 0.0
     voltage: float = 15.8
     charge: float = 0.95
+    strength: float = 1.0
     armed: bool = False
     mode: int = field(init=False)
     parameters: dict[str, float] = field(init=False)
