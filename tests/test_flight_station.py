@@ -1,7 +1,6 @@
 """The ground station flies twins from floor to floor, through all wires, without a clock."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +8,6 @@ from multilift.flight import lab
 from multilift.flight.supervisor import State, Word
 from multilift.flight.supervisor.states import COURSE
 from multilift.flight.twin.stepped import SteppedFlight
-
-SHORT = """
-scenario = "short.toml"
-"""
 
 
 def short_lab(folder, duration=4.0, **changes):

@@ -42,6 +42,14 @@ _POSE_AGE = 0.05
 #: Words of the pilot that wait for a tick.
 _MOST_WORDS = 8
 
+_COMMANDS: dict[str, Callable[[VehicleLink, float], Command]] = {
+    "fly": VehicleLink.fly_mode,
+    "arm": VehicleLink.arm,
+    "land": VehicleLink.land_mode,
+    "disarm": VehicleLink.disarm,
+    "cut": lambda link, now: link.disarm(now, cut=True),
+}
+
 _MOVING = (Order.TRACK, Order.STAY, Order.DESCEND)
 _ALONE = (State.TAKE_OFF, State.FORM_UP)
 _ENDING = (State.HOLD, State.LAND, State.LAND_APART)
@@ -267,12 +275,7 @@ class Station:
             then, command = given
             if not command.outcome or now - then < _ORDER_PERIOD:
                 return
-        link = self.links[k]
-        commands = {
-            "fly": link.fly_mode, "arm": link.arm, "land": link.land_mode,
-            "disarm": link.disarm, "cut": lambda at: link.disarm(at, cut=True),
-        }  # fmt: skip
-        self._ordered[k, what] = now, commands[what](now)
+        self._ordered[k, what] = now, _COMMANDS[what](self.links[k], now)
 
     def _pass_poses(self, estimate: Estimate, now: float) -> None:
         if now < self._pose_due:

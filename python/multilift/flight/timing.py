@@ -64,7 +64,8 @@ class LoopTimes:
 
         Args:
             due: when it was to begin, s.
-            began, ended: when it did, s.
+            began: when it did, s.
+            ended: when it was over, s.
 
         Returns:
             When the next is due, s.

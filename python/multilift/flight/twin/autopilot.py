@@ -236,12 +236,15 @@ class TwinAutopilot:
         if not self.armed:
             return Drive(body.attitude, 0.0)
         if self.mode in self.firmware.fly_modes and self._descent is None:
-            return Drive(*self._wanted)
-        if self._descent is None:
-            self._descent = Descent(max(self._wanted[1], self.hover))
-        velocity = body.velocity if self.sees else None
-        drive = self._descent.step(body.attitude, velocity, body.velocity[2], elapsed)
-        return Drive(*drive)
+            attitude, thrust = self._wanted
+        else:
+            if self._descent is None:
+                self._descent = Descent(max(self._wanted[1], self.hover))
+            velocity = body.velocity if self.sees else None
+            attitude, thrust = self._descent.step(
+                body.attitude, velocity, body.velocity[2], elapsed
+            )
+        return Drive(attitude, min(thrust * self.strength, 1.0))
 
     # What it says.
 

@@ -13,16 +13,58 @@ from multilift.models.spatial import SpatialWorld
 #: Between two looks of the autopilots, s: PX4's at 250 Hz.
 PERIOD = 0.004
 
-_NOTHING = Drive((1.0, 0.0, 0.0, 0.0), 0.0)
+#: What drives a vehicle whose autopilot is dead.
+NOTHING = Drive((1.0, 0.0, 0.0, 0.0), 0.0)
+
+
+class Motions:
+    """A plant, driven by what autopilots answer.
+
+    Its time begins when the first vehicle is armed: before that all stands still, and what the
+    scenario has happen at its times would come while people still read check-lists.
+
+    Attributes:
+        world: the plant.
+        period: between two drives, s.
+    """
+
+    def __init__(self, world: SpatialWorld, period: float) -> None:
+        """Of a world of quadrotors; the period to a whole number of its steps."""
+        self.world = world
+        self._steps = max(round(period / world.period), 1)
+        self.period = self._steps * world.period
+        self._began = False
+
+    def body(self, k: int) -> Body:
+        """Vehicle k as the plant has it."""
+        world = self.world
+        return Body(
+            _vector(world.vehicle[k]),
+            _vector(world.vehicle_velocity[k]),
+            _quaternion(world.vehicle_attitude[k]),
+            bool(world.standing[k]),
+        )
+
+    def step(self, drives: Sequence[Drive], armed: bool) -> None:
+        """Moves on by a period; a world that has ended stays.
+
+        Args:
+            drives: of each vehicle.
+            armed: whether any is.
+        """
+        self._began = self._began or armed
+        if not self._began or self.world.status != "running":
+            return
+        attitudes = np.array([d.attitude for d in drives])
+        attitudes /= np.linalg.norm(attitudes, axis=1)[:, None]
+        self.world.step_set_points(attitudes, [d.thrust for d in drives], steps=self._steps)
 
 
 class Rig:
     """The plant and its autopilots, in step.
 
-    The plant's time begins when the first vehicle is armed: before that all stands still, and what
-    the scenario has happen at its times would come while people still read check-lists.
-
     Attributes:
+        motions: the plant, driven.
         world: the plant.
         autopilots: one a vehicle.
         start: the autopilots' clock at the beginning, s.
@@ -38,25 +80,17 @@ class Rig:
         """Puts autopilots, one a vehicle, on the vehicles of a world of quadrotors."""
         assert len(autopilots) == world.count
         self.world, self.autopilots, self.start = world, tuple(autopilots), start
-        self._steps = max(round(period / world.period), 1)
-        self._period = self._steps * world.period
+        self.motions = Motions(world, period)
         self._count = 0
-        self._began = False
 
     @property
     def now(self) -> float:
         """The autopilots' clock, s."""
-        return self.start + self._count * self._period
+        return self.start + self._count * self.motions.period
 
     def body(self, k: int) -> Body:
         """Vehicle k as the plant has it."""
-        world = self.world
-        return Body(
-            _vector(world.vehicle[k]),
-            _vector(world.vehicle_velocity[k]),
-            _quaternion(world.vehicle_attitude[k]),
-            bool(world.standing[k]),
-        )
+        return self.motions.body(k)
 
     def step(self, lives: Sequence[bool] | None = None) -> None:
         """Lets every autopilot hear, speak and steer once, and the plant move on.
@@ -67,19 +101,10 @@ class Rig:
         now = self.now
         self._count += 1
         drives = [
-            pilot.step(self.body(k), now) if lives is None or lives[k] else _NOTHING
+            pilot.step(self.body(k), now) if lives is None or lives[k] else NOTHING
             for k, pilot in enumerate(self.autopilots)
         ]
-        self._began = self._began or any(pilot.armed for pilot in self.autopilots)
-        if not self._began or self.world.status != "running":
-            return
-        attitudes = np.array([d.attitude for d in drives])
-        attitudes /= np.linalg.norm(attitudes, axis=1)[:, None]
-        thrusts = [
-            min(d.thrust * pilot.strength, 1.0)
-            for d, pilot in zip(drives, self.autopilots, strict=True)
-        ]
-        self.world.step_set_points(attitudes, thrusts, steps=self._steps)
+        self.motions.step(drives, any(pilot.armed for pilot in self.autopilots))
 
 
 def _vector(row: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Vector:

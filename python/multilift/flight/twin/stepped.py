@@ -159,12 +159,11 @@ class SteppedFlight:
 
     def prepare(self, patience: float = 20.0) -> bool:
         """From the start to where the pilot may say go; whether it came to that."""
-        ready = self.run(
+        return self.run(
             patience,
             lambda: self.station.supervisor.state is State.PREFLIGHT and not self.station.problems,
             Word.START,
         )
-        return ready
 
     def close(self) -> None:
         """Gives the sockets back."""

@@ -1,4 +1,4 @@
-"""What a radio does to datagrams: late, lost, twice, in another order, or not at all for a while."""
+"""What a radio does to datagrams: late, lost, twice, in another order, or not at all."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from random import Random
 from multilift.flight.link.udp import Source
 from multilift.flight.link.vehicle import Transport
 
+_IN, _OUT = 0, 1
+
 
 @dataclass(frozen=True)
 class Radio:
@@ -17,15 +19,17 @@ class Radio:
 
     Attributes:
         delay: of every datagram, s.
-        jitter: added to it, up to so much, s; as it is not the same for all, order changes.
+        jitter: added to it, up to so much, s.
         loss: part that never arrives.
         double: part that arrives twice.
+        overtakes: whether what is less late passes what is later, or waits behind it.
     """
 
     delay: float = 0.0
     jitter: float = 0.0
     loss: float = 0.0
     double: float = 0.0
+    overtakes: bool = False
 
 
 @dataclass
@@ -47,6 +51,7 @@ class Impaired:
     dead: bool = False
     _arriving: list[tuple[float, int, bytes, Source]] = field(default_factory=list)
     _leaving: list[tuple[float, int, bytes]] = field(default_factory=list)
+    _last: list[float] = field(default_factory=lambda: [0.0, 0.0])
     _count: int = 0
 
     @property
@@ -62,7 +67,7 @@ class Impaired:
         """What has come and is due; what is due to leave does."""
         now = self.clock()
         for data, source in self.inner.receive():
-            for due in self._dues(now):
+            for due in self._dues(now, _IN):
                 heapq.heappush(self._arriving, (due, self._count, data, source))
         while self._leaving and self._leaving[0][0] <= now:
             self.inner.send(heapq.heappop(self._leaving)[2])
@@ -72,18 +77,22 @@ class Impaired:
 
     def send(self, data: bytes) -> None:
         """Lets it leave when it is due."""
-        for due in self._dues(self.clock()):
+        for due in self._dues(self.clock(), _OUT):
             heapq.heappush(self._leaving, (due, self._count, data))
 
     def forget_peer(self) -> None:
         """As the inner one."""
         self.inner.forget_peer()
 
-    def _dues(self, now: float) -> Iterator[float]:
+    def _dues(self, now: float, way: int) -> Iterator[float]:
         """When one datagram arrives: never, once or twice."""
         radio, dice = self.radio, self.dice
         if self.dead or dice.random() < radio.loss:
             return
         for _ in range(2 if dice.random() < radio.double else 1):
             self._count += 1
-            yield now + radio.delay + radio.jitter * dice.random()
+            due = now + radio.delay + radio.jitter * dice.random()
+            if not radio.overtakes:
+                due = max(due, self._last[way])
+            self._last[way] = due
+            yield due
