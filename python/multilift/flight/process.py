@@ -90,7 +90,7 @@ class Flying:
         self.lab = labs.load(order.lab, twin=order.twin)
         self.clock = Clock(order.speed)
         self.began = self.clock.now()
-        self.leaving = False
+        self.leaving = self.over = False
         self._shown = socket.socket(fileno=order.snapshots)
         self._shown.setblocking(False)
         security = self.lab.security
@@ -130,7 +130,7 @@ class Flying:
         due = self.clock.now()
         ticks, captured = 0, True
         alone_since: float | None = None
-        while True:
+        while not self.over:
             await self._wait_for(due)
             began = self.clock.now()
             if captured:
@@ -198,8 +198,9 @@ class Flying:
             self.station.say(Word(line))
 
     def lose_pilot(self) -> None:
-        """Nobody is there to say anything any more."""
+        """Nobody is there to say anything any more; a twin goes with them."""
         self.leaving = True
+        self.over = self.lab.is_twin
         self.station.say(Word.LAND)
 
 

@@ -59,8 +59,8 @@ def _head(shown: Snapshot) -> RenderableType:
     grid.add_column(justify="center")
     grid.add_column(justify="right")
     bad = shown.state in _BAD_STATES
-    state = Text(f" {shown.state} ", style="bold white on red" if bad else "bold black on green")
-    state.append(f" {shown.lasted:.1f} s", style="not bold default on default")
+    colours = "bold white on red" if bad else "bold black on green"
+    state = Text.assemble((f" {shown.state} ", colours), f" {shown.lasted:.1f} s")
     what = Text("twin: nothing real" if shown.twin else "HARDWARE",
                 style="cyan" if shown.twin else "bold yellow")  # fmt: skip
     name = Text.assemble((shown.title, "bold"), ("  " + shown.scenario, "dim"))
@@ -131,8 +131,9 @@ def _rest(shown: Snapshot) -> RenderableType:
     table.add_row("its age", _number(_times(capture.age, 1e3), "ms", 0))
     table.add_row("load off its path", _number(_times(load.error, 100.0), "cm", 1))
     table.add_row("loop", Text(f"{timing.rate:.0f} Hz, {timing.missed} of {timing.ticks} missed"))
-    table.add_row("late", _pair(timing.late_median, timing.late_most))
-    table.add_row("capture to command", _pair(timing.latency_median, timing.latency_999))
+    table.add_row("late", _pair(timing.late_median, "at most", timing.late_most))
+    latency = _pair(timing.latency_median, "99.9 %:", timing.latency_999)
+    table.add_row("capture to command", latency)
     log = Text("none") if not shown.log else Text(shown.log, overflow="ellipsis", no_wrap=True)
     table.add_row("log", log)
     if shown.unlogged:
@@ -195,7 +196,7 @@ def _times(value: float | None, factor: float) -> float | None:
     return None if value is None else value * factor
 
 
-def _pair(median: float | None, most: float | None) -> Text:
+def _pair(median: float | None, between: str, most: float | None) -> Text:
     if median is None or most is None:
         return Text("–", style="dim")
-    return Text(f"{1e3 * median:.1f} ms, at most {1e3 * most:.1f}")
+    return Text(f"{1e3 * median:.1f} ms, {between} {1e3 * most:.1f}")

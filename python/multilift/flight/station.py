@@ -51,6 +51,9 @@ _COMMANDS: dict[str, Callable[[VehicleLink, float], Command]] = {
 }
 
 _MOVING = (Order.TRACK, Order.STAY, Order.DESCEND)
+
+#: Who is to disarm goes on coming down until it has: it may only believe to have landed.
+_STEERED = (*BY_SET_POINT, Order.DISARM)
 _ALONE = (State.TAKE_OFF, State.FORM_UP)
 _ENDING = (State.HOLD, State.LAND, State.LAND_APART)
 
@@ -226,7 +229,7 @@ class Station:
     def _carry_out(self, orders: Orders, estimate: Estimate, now: float) -> None:
         """Set-points and orders of all vehicles."""
         self.wanted = None
-        if orders.may_send and any(order in BY_SET_POINT for order in orders.vehicles):
+        if orders.may_send and any(order in _STEERED for order in orders.vehicles):
             self._steer(orders, estimate, now)
         for k, (link, order) in enumerate(zip(self.links, orders.vehicles, strict=True)):
             streamed = now - self._preflight_since >= _STREAM_FIRST
@@ -243,6 +246,8 @@ class Station:
 
     def _steer(self, orders: Orders, estimate: Estimate, now: float) -> None:
         moving = next((o for o in orders.vehicles if o in _MOVING), None)
+        if Order.DISARM in orders.vehicles:
+            moving = Order.DESCEND
         captured = now - self._state_age(estimate)
         if moving is not None:
             self.wanted = self.plan.step(orders.state, moving, estimate, now)
@@ -250,7 +255,7 @@ class Station:
             attitudes, _thrusts = self.plan.law.set_points(forces, self.wanted.yaw)
         sent = False
         for k, (link, order) in enumerate(zip(self.links, orders.vehicles, strict=True)):
-            if order not in BY_SET_POINT:
+            if order not in _STEERED:
                 continue
             if moving is None:
                 w, _x, _y, z = self._body(estimate, k).attitude

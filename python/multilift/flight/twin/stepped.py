@@ -74,7 +74,7 @@ class SteppedFlight:
         lab, flown = self.lab, self.lab.scenario
         dice = Random(self.seed)
         link = flown.values["link"]
-        radio = Radio(float(link["delay"]), float(link["jitter"]))
+        radio = self.usual_radio = Radio(float(link["delay"]), float(link["jitter"]))
         pilots, links, self.radios, self._sockets = [], [], [], []
         for k, vehicle in enumerate(lab.vehicles):
             here = Udp(Address(True, "127.0.0.1", 0))
@@ -164,6 +164,11 @@ class SteppedFlight:
             lambda: self.station.supervisor.state is State.PREFLIGHT and not self.station.problems,
             Word.START,
         )
+
+    def kill_vehicle(self, k: int) -> None:
+        """Ends an autopilot: it says and does nothing more, and its motors stand still."""
+        self.vehicle_lives[k] = False
+        self.rig.autopilots[k].armed = False
 
     def close(self) -> None:
         """Gives the sockets back."""
