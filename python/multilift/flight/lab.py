@@ -67,6 +67,7 @@ class Limits:
     link_age: float
     hold: float
     battery: float
+    round_trip: float = 0.25
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,9 @@ _MOST_LEAN = 0.35
 _LIFTED = 0.04
 _DOWN_AGAIN = 0.01
 
+#: A cable that seems so much longer than it is shows that a body is not where it is seen.
+_STRETCH = 1.08
+
 #: States that cannot go on without seeing the load.
 _NEED_LOAD = (State.PREFLIGHT, State.ARMED, State.FORM_UP, State.LIFT, State.FLY, State.PAUSE)
 
@@ -123,6 +126,8 @@ class Plan:
         self._mass = np.broadcast_to(np.array(flown.values["plant"]["vehicle_mass"]), flown.count)
         self._weight = self._mass * float(flown.values["plant"]["gravity"])
         self._offset = flown.rest.offset[0]
+        lengths = np.array(flown.values["plant"]["cable_length"], dtype=float)
+        self._lengths = np.broadcast_to(lengths, flown.count).tolist()
         self._share = flown.rest.cable_force[0]
         self.carries = False
         self._doing: tuple[State, Order, bool] | None = None
@@ -162,6 +167,16 @@ class Plan:
         """Whether a state cannot go on without seeing the load."""
         return self.carries or state in _NEED_LOAD
 
+    def is_load_sound(self, seen: Estimate) -> bool:
+        """Whether the load is seen, and where its cables reach."""
+        well = seen.bodies["payload"].standing.quality >= Quality.COASTING
+        return well and self.reaches(seen)
+
+    def reaches(self, seen: Estimate) -> bool:
+        """Whether no cable seems longer than it is."""
+        most = zip(seen.cables, self._lengths, strict=True)
+        return not any(cable.distance > _STRETCH * length for cable, length in most)
+
     @property
     def _yaw(self) -> float:
         return float(self._flown.values["start"]["payload_yaw"])
@@ -169,7 +184,7 @@ class Plan:
     def _look(self, state: State, seen: Estimate) -> None:
         """Where the load is, and what it pulls; as last seen, where it is not."""
         load = seen.bodies["payload"]
-        if load.standing.quality < Quality.COASTING:
+        if not self.is_load_sound(seen):
             return
         if self._floor is None or state is State.ARMED:
             self._floor = load.position[2]
@@ -180,8 +195,7 @@ class Plan:
     def _flies_law(self, state: State, order: Order, seen: Estimate) -> bool:
         if order is Order.TRACK:
             return state in (State.LIFT, State.FLY) or (state is State.SET_DOWN and self.carries)
-        seen_well = seen.bodies["payload"].standing.quality >= Quality.COASTING
-        return order is Order.STAY and self.carries and seen_well
+        return order is Order.STAY and self.carries and self.is_load_sound(seen)
 
     def _begin(
         self, state: State, order: Order, by_law: bool, seen: Estimate, place: Array, now: float

@@ -25,12 +25,13 @@ from multilift.flight.timing import LoopTimes
 _SAID = 3
 _HAPPENINGS = 12
 
-_EVENTS = {
-    Event.KILL: Word.KILL,
-    Event.HOLD_WORD: Word.HOLD,
-    Event.LAND_WORD: Word.LAND,
+#: What the pilot may say to make something happen, in the order in which it is shown.
+_WORDS = {
     Event.START_WORD: Word.START,
     Event.GO_WORD: Word.GO,
+    Event.HOLD_WORD: Word.HOLD,
+    Event.LAND_WORD: Word.LAND,
+    Event.KILL: Word.KILL,
 }
 
 
@@ -47,7 +48,7 @@ def snapshot_of(station: Station, now: float, began: float) -> Snapshot | None:
         return None
     lab, supervisor = station.lab, station.supervisor
     state = supervisor.state
-    words = [word.value for event, word in _EVENTS.items() if event in WAYS[state]]
+    words = [word.value for event, word in _WORDS.items() if event in WAYS[state]]
     if state is State.PREFLIGHT and orders.problems:
         words.remove(Word.GO.value)
     on_ground = state in (State.IDLE, State.PREFLIGHT, State.ARMED)
@@ -142,6 +143,7 @@ def _margins(station: Station, seen: Seen) -> Iterator[Margin]:
         ("state_age", seen.state_age, "s"),
         ("mocap_age", seen.mocap_age, "s"),
         ("link_age", max(v.link_age for v in vehicles), "s"),
+        ("round_trip", max(v.round_trip for v in vehicles), "s"),
     ):
         yield _margin(name, value, float(getattr(limits, name)), unit)
     apart, least = separation(seen), limits.separation
@@ -168,7 +170,8 @@ def _margin(name: str, value: float, limit: float, unit: str) -> Margin:
 def _happenings(station: Station, began: float) -> Iterator[Happening]:
     for time, state, event, why in station.supervisor.told[-_HAPPENINGS:]:
         bad = event in (Event.TROUBLE, Event.TOO_LONG, Event.KILL)
-        text = f"{state.value}: {event.value}" + (f": {why}" if bad and why else "")
+        text = state.value if event is Event.DONE else f"{state.value}: {event.value}"
+        text += f": {why}" if bad and why else ""
         yield Happening(time - began, text, bad)
 
 

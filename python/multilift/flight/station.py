@@ -159,6 +159,8 @@ class Station:
     def _seen(self, estimate: Estimate, now: float, word: Word | None) -> Seen:
         standing = self._standing(estimate)
         fault = standing.fault.value if standing.quality <= Quality.SUSPECT else ""
+        if not fault and self.plan.carries and not self.plan.reaches(estimate):
+            fault = "bodies farther apart than their cable is long"
         vehicles = tuple(self._vehicle(k, estimate, now) for k in range(len(self.links)))
         wanted = self.wanted
         return Seen(
@@ -199,7 +201,7 @@ class Station:
             body.position, math.hypot(*body.velocity), tilt(body.attitude),
             0.0 if since is None else now - since,
             1.0 if math.isnan(status.charge) else status.charge,
-            status.boots, tuple(problems),
+            status.boots, tuple(problems), link.round_trip,
         )  # fmt: skip
 
     def _prepare(self, now: float) -> None:

@@ -73,6 +73,7 @@ def checks(seen: Seen, limits: Limits) -> Iterator[Check]:
     for k, v in enumerate(seen.vehicles, 1):
         told = [
             ("heartbeat", not 0.0 <= v.link_age <= limits.link_age, "no heartbeat"),
+            ("round trip", not v.round_trip <= limits.round_trip, "link too slow"),
             ("disarmed", v.armed, "is armed already"),
             ("takes set-points", not v.follows, "does not take set-points yet"),
             ("no failsafe", v.failsafe, "is in a failsafe"),
@@ -110,6 +111,7 @@ def in_flight(seen: Seen, limits: Limits, state: State, boots: tuple[int, ...]) 
     for k, (v, before) in enumerate(zip(seen.vehicles, boots, strict=True), 1):
         told = [
             (not 0.0 <= v.link_age <= limits.link_age, "link lost"),
+            (not v.round_trip <= limits.round_trip, "link too slow"),
             (v.boots != before, "began anew"),
             (v.failsafe, "is in a failsafe"),
             (in_air and not v.armed, "disarmed"),
@@ -127,9 +129,11 @@ def in_flight(seen: Seen, limits: Limits, state: State, boots: tuple[int, ...]) 
 
 
 def makes_hold_useless(seen: Seen, limits: Limits) -> bool:
-    """Whether holding cannot help: nothing can be sent, or someone does not follow."""
+    """Whether holding cannot help: nothing can be sent in time, or someone does not follow."""
     lost = any(
-        not (v.follows and v.armed and 0.0 <= v.link_age <= limits.link_age) for v in seen.vehicles
+        not v.round_trip <= limits.round_trip
+        or not (v.follows and v.armed and 0.0 <= v.link_age <= limits.link_age)
+        for v in seen.vehicles
     )
     close = not separation(seen) >= limits.separation
     return lost or close or is_blind(seen, limits) or not is_fresh(seen, limits)
