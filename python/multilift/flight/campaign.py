@@ -225,13 +225,16 @@ def _fly(flight: SteppedFlight, trial: Trial) -> Outcome:
             _mend(flight, trial)
         return not any(p.armed for p in flight.rig.autopilots) and bool(flight.world.standing.all())
 
+    world = flight.world
     down = took_off and flight.run(_PATIENCE, is_over)
     # What lies still may not stay still: cables and load settle.
-    flight.run(2.0, lambda: bool(referee.look()))
+    end = flight.time + 2.0
+    while flight.time < end and world.status == "running":
+        flight.step()
+        referee.look()
     state = flight.station.supervisor.state.value if flight.station_lives else ""
     outcome = Outcome(trial, state, tuple(referee.course), flight.separation, referee.landing,
                       referee.load_landing)  # fmt: skip
-    world = flight.world
     killed = trial.kind == "vehicle killed"
     told: Sequence[tuple[bool, str]] = (
         (not ready, "was never ready"),

@@ -133,6 +133,7 @@ class Plan:
         self._doing: tuple[State, Order, bool] | None = None
         self._since = 0.0
         self._flown_for = 0.0
+        self._carried = False
         self._places = np.zeros((flown.count, 3))
         self._ends = np.zeros((flown.count, 3))
         self._time = _LEAST_TIME
@@ -231,6 +232,7 @@ class Plan:
         elif state is State.FLY:
             resumed = before is not None and before[0] is State.PAUSE
             self._since -= self._flown_for if resumed else 0.0
+            self._carried = False
             self.law.follow(flown)
         elif state is State.SET_DOWN:
             assert self._floor is not None  # it was lifted from there
@@ -265,13 +267,16 @@ class Plan:
         )
         if state is State.FLY:
             self._flown_for = lasted
+            self._carried = self._carried or self.carries
         over = {
             State.LIFT: _LIFT_TIME + _SETTLE,
             State.FLY: float(self._flown.values["simulation"]["duration"]),
         }.get(state, np.inf)
         swing = float(command.swing.max()) if self.carries else 0.0
         target = self.law.target(lasted)
-        done = order is Order.TRACK and lasted >= over
+        # A reference may end with the load on the floor: then there is nothing left to fly.
+        stands = state is State.FLY and self._carried and not self.carries
+        done = order is Order.TRACK and (lasted >= over or stands)
         return Wanted(command.force, target.yaw, swing, done, target.vehicle, target.payload)
 
     def _path(self, order: Order, lasted: float) -> tuple[Array, Array]:
