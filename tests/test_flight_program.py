@@ -97,3 +97,52 @@ def test_hardware_is_not_flown_without_a_pilot(tmp_path):
     assert isinstance(found.exception, ScenarioError)
     assert "pilot" in str(found.exception)
     assert lab.load(tmp_path / "lab.toml", twin=True).is_twin
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a terminal as Linux has it")
+def test_the_pilots_keys_from_a_terminal(tmp_path):
+    import fcntl
+    import pty
+    import select
+    import struct
+    import termios
+
+    log = tmp_path / "keys.mcap"
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 120, 0, 0))
+    command = subprocess.Popen(
+        [sys.executable, "-c", TWIN, "twin", "--log", str(log), "--speed", "0.5"],
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "120", "LINES": "40"},
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+    )
+    os.close(theirs)
+    seen = bytearray()
+
+    def shows(text):
+        if select.select([ours], [], [], 0.1)[0]:
+            try:
+                seen.extend(os.read(ours, 65536))
+            except OSError:  # the other end is gone
+                return True
+        return text.encode() in seen
+
+    def press(keys, until):
+        seen.clear()
+        os.write(ours, keys.encode())
+        wait_for(lambda: shows(until))
+
+    wait_for(lambda: shows(" go "))  # all checks are passed
+    press("\r", "take-off")
+    press("k", "They fall")
+    press("n", "kill: motors off")  # asked again, and not done
+    press("k", "They fall")
+    press("y", "the pilot kills")
+    press("q", "records")
+    command.wait(PATIENCE)
+    os.close(ours)
+    words = [e.data["word"] for e in read(log) if e.topic == "supervisor" and e.data["word"]]
+    assert words[:3] == ["start", "go", "kill"]
+    assert command.returncode == 3  # it was cut short

@@ -172,7 +172,12 @@ def _keys() -> Iterator[Callable[[], str]]:
     def pressed() -> str:
         if not select.select([descriptor], [], [], 0.0)[0]:
             return ""
-        return os.read(descriptor, 64).decode("utf-8", "replace")[:1].replace("\x03", "q")
+        try:
+            data = os.read(descriptor, 64)
+        except OSError:
+            data = b""
+        # A terminal that went away lands, too.
+        return data.decode("utf-8", "replace")[:1] if data else "q"
 
     try:
         tty.setcbreak(descriptor)

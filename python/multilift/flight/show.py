@@ -51,7 +51,7 @@ def snapshot_of(station: Station, now: float, began: float) -> Snapshot | None:
     words = [word.value for event, word in _WORDS.items() if event in WAYS[state]]
     if state is State.PREFLIGHT and orders.problems:
         words.remove(Word.GO.value)
-    on_ground = state in (State.IDLE, State.PREFLIGHT, State.ARMED)
+    checking = state in (State.PREFLIGHT, State.ARMED)
     listed = [(c.trouble or c.name, not c.trouble) for c in checks(seen, lab.limits)]
     standing = estimate.standing
     counts = station.estimator.counts
@@ -65,7 +65,7 @@ def snapshot_of(station: Station, now: float, began: float) -> Snapshot | None:
         supervisor.lasted,
         tuple(words),
         orders.problems,
-        tuple(listed) if on_ground else (),
+        tuple(listed) if checking else (),
         tuple(_vehicle(station, k, now) for k in range(len(station.links))),
         _payload(station),
         CaptureShown(

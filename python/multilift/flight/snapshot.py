@@ -179,7 +179,8 @@ class Snapshot:
         lasted: how long the state has, s.
         words: what the pilot may say now: values of `Word`.
         problems: what speaks against arming, or is wrong in flight.
-        checks: the pre-flight checks in words, and whether each is passed.
+        checks: the pre-flight checks in words, and whether each is passed; none in the air and
+            after a flight.
         vehicles: in the lab's order.
         payload: the load.
         capture: motion capture.
