@@ -210,12 +210,21 @@ def capture_settings(lab: Lab, twin_port: int) -> Settings:
     Args:
         lab: which.
         twin_port: of the twin's server.
+
+    Raises:
+        ScenarioError: for the vehicles' own estimates, which tell nothing of the load.
     """
     table = lab.motion_capture
     bodies = {f"vehicle_{k + 1}": v.body for k, v in enumerate(lab.vehicles)}
     bodies[PAYLOAD] = str(table["payload"])
     if lab.is_twin:
         return Settings("qualisys", bodies, port=twin_port)
+    if table["system"] == "autopilot":
+        raise ScenarioError(
+            "does not show the load, which is flown by", where=lab.where,
+            key="motion_capture.system", value="autopilot",
+            permitted="qualisys or motioncapture",
+        )  # fmt: skip
     return Settings(str(table["system"]), bodies, str(table["kind"]), str(table["host"]))
 
 
