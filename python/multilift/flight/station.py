@@ -33,8 +33,8 @@ from multilift.flight.timing import LoopTimes
 #: Between two orders of one kind to one vehicle, s.
 _ORDER_PERIOD = 1.0
 
-#: Set-points are streamed for so long before their mode is asked for, s.
-_STREAM_FIRST = 1.0
+#: Set-points and poses are streamed for so long before their mode is asked for, s.
+_STREAM_FIRST = 1.5
 
 #: Poses older than this are not passed on, s.
 _POSE_AGE = 0.05
