@@ -109,10 +109,11 @@ nb::dict run(const Frame& frame, const Row& row, std::uint64_t seed, const nb::o
   return d;
 }
 
-/// A measured flight, told as a run: each row holds time | payload (13) | of each vehicle position,
-/// attitude, velocity, rate, rotor speeds (17) | forces commanded (3n) | drag estimates (3n).
+/// A measured flight, told as a run: each row holds time | the reference's time | payload (13) | of
+/// each vehicle position, attitude, velocity, rate, rotor speeds (17) | forces commanded (3n) |
+/// drag estimates (3n).
 nb::dict recorded(const Frame& frame, const Row& row, const Table& flown, bool complete) {
-  const std::size_t n = frame.n, width = 14 + 23 * n;
+  const std::size_t n = frame.n, width = 15 + 23 * n;
   if (!frame.quadrotors) throw std::invalid_argument("only quadrotors fly");
   if (flown.shape(0) == 0 || flown.shape(1) != width)
     throw std::invalid_argument("a flight's rows take " + std::to_string(width) + " numbers");
@@ -128,7 +129,7 @@ nb::dict recorded(const Frame& frame, const Row& row, const Table& flown, bool c
   std::vector<Vec3<double>> commanded(n), d_hat(n);
   for (std::size_t k = 0; k < flown.shape(0); ++k) {
     Reader in(flown.data() + k * width);
-    const double time = in.number();
+    const double time = in.number(), planned = in.number();
     x.payload.position = in.vector(), x.payload.attitude = in.quaternion();
     x.payload.velocity = in.vector(), x.payload.rate = in.vector();
     for (auto& craft : x.vehicle) {
@@ -138,7 +139,7 @@ nb::dict recorded(const Frame& frame, const Row& row, const Table& flown, bool c
     }
     for (auto& force : commanded) force = in.vector();
     for (auto& d : d_hat) d = in.vector();
-    told.add(time, x, commanded, d_hat, [&](const auto& sample) {
+    told.add(time, planned, x, commanded, d_hat, [&](const auto& sample) {
       sp::visit_columns(sample, [&](const std::string&, const char*, const std::string&,
                                     double number) { numbers->push_back(number); });
     });

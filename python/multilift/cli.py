@@ -16,6 +16,7 @@ from rich.table import Table
 import multilift as ml
 from multilift import library, storage
 from multilift.cli_compare import compare
+from multilift.cli_replay import replay
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
@@ -102,6 +103,12 @@ app.command(
     epilog="Examples:  multilift sitl --px4 ~/PX4-Autopilot  |  multilift sitl --ardupilot "
     "~/ardupilot --speed 0 --logs out/sitl  |  multilift sitl my.toml --px4 PATH --no-vision"
 )(sitl)
+
+
+app.command(
+    epilog="Examples:  multilift replay flight.mcap  |  multilift replay flight.mcap -o out/flight "
+    "--ulog left.ulg --ulog right.ulg"
+)(replay)
 
 
 @app.command(

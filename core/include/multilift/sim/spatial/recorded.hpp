@@ -39,16 +39,17 @@ class Recorded {
     outside_.pushes = false;
   }
 
-  /// The next row, later than the last; `commanded` is the law's force, W, N.
+  /// The next row, later than the last; `planned` is the reference's time then, `commanded` the
+  /// law's force, W, N.
   template <class Record>
-  void add(double time, const X& x, const std::vector<Vec3<R>>& commanded,
+  void add(double time, double planned, const X& x, const std::vector<Vec3<R>>& commanded,
            const std::vector<Vec3<R>>& d_hat, Record&& record) {
     std::swap(row_, before_);
     row_.time = time;
     row_.x = x;
     row_.commanded = commanded;
     row_.d_hat = d_hat;
-    reference_.at(time, row_.target);
+    reference_.at(planned, row_.target);
     evaluate();
     if (empty_) {
       audit_.begin(x, row_.target, d_hat);
@@ -60,7 +61,7 @@ class Recorded {
       audit_.add(R(0.5 * h), Stage::start, before_.x, before_.now, outside_);
       audit_.add(R(0.5 * h), Stage::end, row_.x, row_.now, outside_);
       audit_.book();
-      audit_.adapt(d_hat);
+      audit_.adapt(before_.d_hat);
     }
     empty_ = false;
     row_.storage = audit_.storage(x, row_.target);

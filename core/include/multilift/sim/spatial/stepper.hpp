@@ -43,8 +43,7 @@ bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who, const mask_t<R
   for (const R& x : pull) worst = min(worst, x);
   const mask_t<R> some = where & (worst < zero);
   if (!any(some)) return false;
-  for (std::size_t i = 0; i < who.size(); ++i)
-    who[i].is = who[i].is & !(some & (pull[i] <= worst));
+  for (std::size_t i = 0; i < who.size(); ++i) who[i].is = who[i].is & !(some & (pull[i] <= worst));
   return true;
 }
 
