@@ -12,30 +12,38 @@ ZERO = (0.0, 0.0, 0.0)
 START = 1000.0
 
 
-def body(run, name, k):
-    """A body of a run's row as an estimator tells it."""
-    pick = [run.vector(name)[k], run.vector(f"{name}_v")[k], ZERO, run.attitude(name)[k],
-            run.vector(f"{name}_rate")[k]]  # fmt: skip
-    position, velocity, acceleration, attitude, rate = (tuple(map(float, x)) for x in pick)
-    return BodyState(GOOD, position, velocity, acceleration, attitude, rate, 0.0, 0.0)
+class Rows:
+    """A run's rows as an estimator and a flight program tell them."""
 
+    def __init__(self, run):
+        self.count = run.scenario.count
+        names = {f"vehicle_{i + 1}": f"vehicle{i + 1}" for i in range(self.count)}
+        self.bodies = {
+            told: (run.vector(name), run.vector(f"{name}_v"), run.attitude(name),
+                   run.vector(f"{name}_rate"))
+            for told, name in {**names, "payload": "payload"}.items()
+        }  # fmt: skip
+        each = range(1, self.count + 1)
+        self.force = np.stack([run.vector(f"force{i}") for i in each], axis=1)
+        self.drag = np.stack([run.vector(f"d_hat{i}") for i in each], axis=1)
 
-def estimate(run, k, now):
-    bodies = {f"vehicle_{i + 1}": body(run, f"vehicle{i + 1}", k)
-              for i in range(run.scenario.count)}  # fmt: skip
-    return Estimate(now, GOOD, {**bodies, "payload": body(run, "payload", k)}, ())
+    def estimate(self, k, now):
+        bodies = {}
+        for name, columns in self.bodies.items():
+            position, velocity, attitude, rate = (tuple(c[k].tolist()) for c in columns)
+            bodies[name] = BodyState(GOOD, position, velocity, ZERO, attitude, rate, 0.0, 0.0)
+        return Estimate(now, GOOD, bodies, ())
 
-
-def set_points(run, k, now):
-    """What is sent for the forces that the law asked for."""
-    points = []
-    for i in range(run.scenario.count):
-        force = run.vector(f"force{i + 1}")[k]
-        size = float(np.linalg.norm(force))
-        # The shortest turn from up to the force.
-        half = np.array([size + force[2], -force[1], force[0], 0.0])
-        points.append(SetPoint(tuple((half / np.linalg.norm(half)).tolist()), size, now, now))
-    return points
+    def set_points(self, k, now):
+        """What is sent for the forces that the law asked for."""
+        points = []
+        for force in self.force[k]:
+            size = float(np.linalg.norm(force))
+            # The shortest turn from up to the force.
+            half = np.array([size + force[2], -force[1], force[0], 0.0])
+            half /= np.linalg.norm(half)
+            points.append(SetPoint(tuple(half.tolist()), size, now, now))
+        return points
 
 
 def states_of(run, before, after):
@@ -53,15 +61,15 @@ def write(path, flown_lab, run, course, begin=True):
 
     Time goes on by a record's period a tick.
     """
-    period = float(run.t[1] - run.t[0])
+    period, rows = float(run.t[1] - run.t[0]), Rows(run)
     log = Log(path, START)
     if begin:
         record.begin(log, flown_lab, START)
-    count = run.scenario.count
     for k, (state, row) in enumerate(course):
         now = START + k * period
-        drag = [[float(x) for x in run.vector(f"d_hat{i + 1}")[row]] for i in range(count)]
-        record.tick(log, now, state, estimate(run, row, now), set_points(run, row, now), drag)
+        record.tick(
+            log, now, state, rows.estimate(row, now), rows.set_points(row, now), rows.drag[row]
+        )
         log.raw("out/vehicle_1", now, b"\xfd" * 20)
     log.close()
     return path

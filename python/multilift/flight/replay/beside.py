@@ -67,9 +67,7 @@ class Replay:
                 [np.interp(flight.t[both], simulated.t, axis) for axis in simulated.vector(name).T]
             )
             apart = np.linalg.norm(flight.vector(name)[both] - there, axis=1)
-            found.append(
-                Difference(name, float(np.sqrt(np.mean(apart**2))), float(apart.max()))
-            )
+            found.append(Difference(name, float(np.sqrt(np.mean(apart**2))), float(apart.max())))
         return found
 
     @property
@@ -118,4 +116,3 @@ class Replay:
             for k, compared in self.compared.items():
                 compared.to_csv(folder / f"ulog_vehicle_{k}.csv")
             (folder / "report.html").write_text(page.render(self, whole), encoding="utf-8")
-

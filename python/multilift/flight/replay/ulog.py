@@ -8,7 +8,8 @@ once.
 
 from __future__ import annotations
 
-import struct
+import contextlib
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,9 +37,6 @@ _LEAST_TIME = 2.0
 
 #: Farther from a recorded value nothing is compared with it, s.
 _GAP = 0.2
-
-_DAMAGE = (struct.error, ValueError, LookupError, TypeError, ArithmeticError, OSError,
-           AttributeError, MemoryError, EOFError)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -112,12 +110,14 @@ def read(path: Path) -> Recorded:
         raise MissingExtraError("pyulog", "fly", "reading a ULog file") from None
     names = ["vehicle_attitude", "vehicle_attitude_setpoint", "vehicle_local_position"]
     try:
-        whole = ULog(str(path), message_name_filter_list=names, disable_str_exceptions=True)
+        # pyulog prints what it finds wrong.
+        with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
+            whole = ULog(file, message_name_filter_list=names, disable_str_exceptions=True)
         data = {d.name: d.data for d in whole.data_list if d.multi_id == 0}
         attitude = _track(data, names[0], [f"q[{k}]" for k in range(4)])
         wanted = _track(data, names[1], [*(f"q_d[{k}]" for k in range(4)), "thrust_body[2]"])
         position = _track(data, names[2], ["x", "y", "z"])
-    except _DAMAGE as error:
+    except Exception as error:  # pyulog raises whatever damage leads it to
         raise OutputError(
             f"{path} cannot be read as ULog: {error}\n"
             "  what to do: give the .ulg file that the autopilot wrote"
@@ -220,7 +220,7 @@ def _set_points(value: Array) -> Array:
 
 
 def _lengths(q: Array) -> Array:
-    return np.maximum(np.linalg.norm(q, axis=1), 1e-9)[:, None]
+    return np.asarray(np.maximum(np.linalg.norm(q, axis=1), 1e-9)[:, None])
 
 
 def _wanted(flown: Flown, k: int) -> Track | None:
@@ -295,7 +295,7 @@ def _even(track: Track) -> Array:
     """At equal steps, without its mean."""
     t = np.arange(track.t[0], track.t[-1], _STEP)
     value = np.nan_to_num(track.at(t))
-    return value - value.mean(axis=0)
+    return np.asarray(value - value.mean(axis=0))
 
 
 def _fit(ours: Track, theirs: Track) -> float:

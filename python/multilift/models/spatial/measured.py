@@ -38,7 +38,9 @@ class Measured:
     drag_estimate: Array
 
 
-def run_of(scenario: SpatialScenario, flown: Measured, law: SavedLaw, *, complete: bool) -> SpatialRun:
+def run_of(
+    scenario: SpatialScenario, flown: Measured, law: SavedLaw, *, complete: bool
+) -> SpatialRun:
     """The run that a flight was.
 
     Tensions are those of the equations of motion; the rotors follow the forces with their lag. A
@@ -89,7 +91,7 @@ def run_of(scenario: SpatialScenario, flown: Measured, law: SavedLaw, *, complet
 
 
 def _rotor_speeds(scenario: SpatialScenario, flown: Measured) -> Array:
-    """Of each vehicle four that give the forces, with the rotors' lag, shape (rows, n, 4), rad/s."""
+    """Of each vehicle four that give the forces with their lag, shape (rows, n, 4), rad/s."""
     rotors = scenario.vehicle
     wanted = np.sqrt(np.linalg.norm(flown.force, axis=2) / (4.0 * rotors.thrust_coefficient))
     wanted = np.clip(wanted, rotors.rotor_speed_min, rotors.rotor_speed_max)
