@@ -1,49 +1,46 @@
 """Logs of flights that were simulated, written as the flight program writes them."""
 
 import numpy as np
-from multilift.flight import lab, record
-from multilift.flight.estimate.state import BodyState, Estimate, Fault, Quality, Standing
-from multilift.flight.link.setpoint import SetPoint
+from multilift.flight import lab
 from multilift.flight.log import Log
 from multilift.flight.supervisor import State
 
-GOOD = Standing(Quality.GOOD, Fault.NONE, 0.0, 0.01)
-ZERO = (0.0, 0.0, 0.0)
 START = 1000.0
 
 
 class Rows:
-    """A run's rows as an estimator and a flight program tell them."""
+    """A run's rows as a flight program tells them."""
 
     def __init__(self, run):
-        self.count = run.scenario.count
-        names = {f"vehicle_{i + 1}": f"vehicle{i + 1}" for i in range(self.count)}
+        each = range(1, run.scenario.count + 1)
+        names = {f"vehicle_{i}": f"vehicle{i}" for i in each} | {"payload": "payload"}
         self.bodies = {
-            told: (run.vector(name), run.vector(f"{name}_v"), run.attitude(name),
-                   run.vector(f"{name}_rate"))
-            for told, name in {**names, "payload": "payload"}.items()
+            told: np.hstack([run.vector(name), run.vector(f"{name}_v"), run.attitude(name),
+                             run.vector(f"{name}_rate")])
+            for told, name in names.items()
         }  # fmt: skip
-        each = range(1, self.count + 1)
         self.force = np.stack([run.vector(f"force{i}") for i in each], axis=1)
         self.drag = np.stack([run.vector(f"d_hat{i}") for i in each], axis=1)
+        self.yaw = run["target_yaw"]
 
-    def estimate(self, k, now):
-        bodies = {}
-        for name, columns in self.bodies.items():
-            position, velocity, attitude, rate = (tuple(c[k].tolist()) for c in columns)
-            bodies[name] = BodyState(GOOD, position, velocity, ZERO, attitude, rate, 0.0, 0.0)
-        return Estimate(now, GOOD, bodies, ())
+    def tick(self, log, now, state, k, steered=True):
+        """One period of the loop."""
+        bodies = {name: columns[k].tolist() for name, columns in self.bodies.items()}
+        log.write("estimate", now, {"age": 0.01, "quality": "good", "fault": "none",
+                                    "bodies": bodies})  # fmt: skip
+        log.write("supervisor", now, {"state": state.value, "problems": [], "may_send": True})
+        if steered:
+            log.write("wanted", now, {
+                "force": self.force[k].tolist(), "yaw": float(self.yaw[k]),
+                "drag_estimate": self.drag[k].tolist(),
+            })  # fmt: skip
+        log.raw("out/vehicle_1", now, b"\xfd" * 20)
 
-    def set_points(self, k, now):
-        """What is sent for the forces that the law asked for."""
-        points = []
-        for force in self.force[k]:
-            size = float(np.linalg.norm(force))
-            # The shortest turn from up to the force.
-            half = np.array([size + force[2], -force[1], force[0], 0.0])
-            half /= np.linalg.norm(half)
-            points.append(SetPoint(tuple(half.tolist()), size, now, now))
-        return points
+
+def begin(log, flown_lab):
+    """What was to be flown."""
+    log.write("lab", START, {"name": flown_lab.name, "title": flown_lab.title, "twin": True,
+                             "scenario": flown_lab.scenario.to_toml()})  # fmt: skip
 
 
 def states_of(run, before, after):
@@ -56,21 +53,16 @@ def states_of(run, before, after):
     ]
 
 
-def write(path, flown_lab, run, course, begin=True):
+def write(path, flown_lab, run, course):
     """A log of a course: what was done and which row of the run was seen, at each of its records.
 
     Time goes on by a record's period a tick.
     """
     period, rows = float(run.t[1] - run.t[0]), Rows(run)
     log = Log(path, START)
-    if begin:
-        record.begin(log, flown_lab, START)
+    begin(log, flown_lab)
     for k, (state, row) in enumerate(course):
-        now = START + k * period
-        record.tick(
-            log, now, state, rows.estimate(row, now), rows.set_points(row, now), rows.drag[row]
-        )
-        log.raw("out/vehicle_1", now, b"\xfd" * 20)
+        rows.tick(log, START + k * period, state, row)
     log.close()
     return path
 

@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from multilift import cli, saved
 from multilift.flight import log as flight_log
-from multilift.flight import record
 from multilift.flight.log import Log
 from multilift.flight.replay import flown as reading
 from multilift.flight.replay.beside import Replay
@@ -140,26 +139,16 @@ def test_a_course_that_was_left_is_not_settled(flight, tmp_path, count):
         assert told.finished
 
 
-def test_files_in_a_log_outlive_its_index(flight):
-    _run, path, lab = flight
-    files = flight_log.attachments(path)
-    assert set(files) == {record.SCENARIO, record.LAB}
-    assert files[record.SCENARIO] == lab.scenario.to_toml()
-    told = reading.read(path).lab
-    assert [v["system"] for v in told["vehicle"]] == [v.system for v in lab.vehicles]
-    assert told["limits"]["separation"] == lab.limits.separation
-
-
 @pytest.fixture(scope="module")
 def plain(flight, tmp_path_factory):
     """A log whose writer was killed, so that it has no index; its ticks."""
     run, _path, lab = flight
     path = tmp_path_factory.mktemp("plain") / "flight.mcap"
     log, rows = Log(path, 0.0), logs.Rows(run)
-    record.begin(log, lab, 0.0)
+    logs.begin(log, lab)
     for k in range(40):
-        record.tick(log, 0.01 * k, State.FLY, rows.estimate(k, 0.0), rows.set_points(k, 0.0))
-    while sum(1 for _ in flight_log.read(path)) < 40:
+        rows.tick(log, logs.START + 0.01 * k, State.FLY, k)
+    while sum(1 for _ in flight_log.read(path)) < 161:
         assert log.is_written
     os.kill(log.writer, signal.SIGKILL)
     with pytest.raises(ml.OutputError):
@@ -188,21 +177,24 @@ def test_ticks_that_are_none_are_counted_and_left_out(flight, tmp_path):
     run, _path, lab = flight
     path = tmp_path / "odd.mcap"
     log, rows = Log(path, 0.0), logs.Rows(run)
-    record.begin(log, lab, 0.0)
-    record.tick(log, 0.0, State.FLY, rows.estimate(0, 0.0), rows.set_points(0, 0.0))
-    for odd in (
-        {},
-        {"state": "fly", "bodies": 3},
-        {"state": "fly", "bodies": {}, "set_points": []},
-    ):
-        log.write(record.TOPIC, 0.01, odd)
-    record.tick(log, 0.02, State.FLY, rows.estimate(1, 0.0), [None, None])
-    record.tick(log, 0.02, State.FLY, rows.estimate(2, 0.0), [None, None])  # no later
+    rows.tick(log, 0.9 * logs.START, State.FLY, 0)  # before anyone says what is flown
+    logs.begin(log, lab)
+    rows.tick(log, logs.START, State.FLY, 0)
+    for odd in ({}, {"bodies": 3}, {"bodies": {}}, {"bodies": {"payload": [None] * 13}}, [1]):
+        log.write("estimate", logs.START + 0.01, odd)
+    log.write("supervisor", logs.START + 0.01, {"state": "fly", "problems": []})  # of none
+    rows.tick(log, logs.START + 0.02, State.FLY, 1, steered=False)
+    log.write("wanted", logs.START + 0.02, {"force": [[1.0]], "yaw": 0.0})
+    log.write("estimate", logs.START + 0.03, {"bodies": flown_bodies(rows, 2)})  # no state
     log.close()
     flown = reading.read(path)
-    assert (len(flown.t), flown.unread) == (2, 4)
-    assert np.isnan(flown.thrust[1]).all()
+    assert (len(flown.t), flown.unread) == (2, 7)
+    assert np.isnan(flown.wanted[1]).all()
     assert (flown.force[1] == 0.0).all()
+
+
+def flown_bodies(rows, k):
+    return {name: columns[k].tolist() for name, columns in rows.bodies.items()}
 
 
 def said(*words):
@@ -220,8 +212,8 @@ def test_what_is_no_flight_is_said_to_be_none(flight, tmp_path):
     log.close()
     grounded = logs.write(tmp_path / "grounded.mcap", lab, run, [(State.PREFLIGHT, 0)] * 5)
     (tmp_path / "noise.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(100))
-    for name, told in (("absent", "cannot be read"), ("strange", "no scenario.toml"),
-                       ("noise", "no scenario.toml"), ("grounded", "was not flown")):  # fmt: skip
+    for name, told in (("absent", "cannot be read"), ("strange", "no lab"),
+                       ("noise", "no lab"), ("grounded", "was not flown")):  # fmt: skip
         code, text = said("replay", tmp_path / f"{name}.mcap")
         assert code == 1
         assert told in text and name in text

@@ -38,8 +38,11 @@ def recording(flight, k, boot, rate=50.0, start=0.0, end=np.inf, noise=0.0, seed
     q = at[:, 3:7] + draw.normal(0.0, noise, (len(t), 4))
     q /= np.linalg.norm(q, axis=1)[:, None]
     east, north, up = (at[:, :3] + ORIGIN).T
-    sent = np.isfinite(flight.thrust[:, k])
-    q_d, thrust = flight_ulog.turned(flight.wanted[sent, k]), flight.thrust[sent, k] / 40.0
+    sent = np.isfinite(flight.wanted[:, k, 0])
+    q_d, thrust = (
+        flight_ulog.turned(flight.wanted[sent, k]),
+        np.linalg.norm(flight.force[sent, k], axis=1) / 40.0,
+    )
     wanted = np.column_stack([q_d, np.zeros((len(q_d), 2)), -thrust])
     return flight_ulog.write({
         "vehicle_attitude": (t + boot, flight_ulog.turned(q)),

@@ -24,6 +24,9 @@ from multilift.models.spatial.scenario import SpatialScenario
 _TEXTS = ("name", "title")
 _KEYS = ("schema", *_TEXTS, "scenario", *TABLES)
 
+#: Letters of a scenario's name that an error shows.
+_SHOWN = 200
+
 
 @dataclass(frozen=True)
 class LabVehicle:
@@ -172,7 +175,13 @@ def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> SpatialScenar
         flown = scenario.load(beside if _is_file(beside) else name)
     except (OSError, ValueError) as error:
         if isinstance(error, ScenarioError):
-            raise
+            # What is wrong in a scenario's own file is said of that file.
+            if _is_file(beside) or library.is_shipped(name):
+                raise
+            raise ScenarioError(
+                "is neither shipped nor a file beside this one", where=where, key="scenario",
+                value=name[:_SHOWN], advice="'multilift scenarios' lists what is shipped",
+            ) from None  # fmt: skip
         raise ScenarioError(f"cannot be read: {error}", where=where, key="scenario",
                             value=name) from None  # fmt: skip
     if not isinstance(flown, SpatialScenario):

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, McapRecord, Message
+from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
 from zstandard import ZstdError
 
@@ -39,9 +39,9 @@ _MOST_WAITING = 8 * 2**20
 _SYSTEM_BUFFER = 4 * 2**20
 
 #: Before each record on the socket: bytes that follow, topic's number, time in ns; the number of
-#: a new topic is followed by its name and encoding; an attachment's name ends with a null.
+#: a new topic is followed by its name and encoding.
 FRAME = struct.Struct("<IHBQ")
-NEW_TOPIC, RECORD, ATTACHMENT = 0, 1, 2
+NEW_TOPIC, RECORD = 0, 1
 
 #: What reading raises where a file is damaged or ends.
 _DAMAGE = (McapError, ZstdError, struct.error, ValueError, LookupError, ArithmeticError,
@@ -133,15 +133,6 @@ class Log:
             text = json.dumps(_finite(values))
         self._put(topic, "json", now, text.encode())
 
-    def attach(self, name: str, now: float, text: str) -> None:
-        """Takes a whole file that explains the log, such as a scenario's."""
-        content = name.encode() + b"\0" + text.encode()
-        self._waiting += FRAME.pack(len(content), 0, ATTACHMENT, self._stamp(now)) + content
-        self._push()
-
-    def _stamp(self, now: float) -> int:
-        return max(self._unix + int(now * 1e9), 0)
-
     def _put(self, topic: str, encoding: str, now: float, data: bytes) -> None:
         number = self._topics.get(topic)
         head = b""
@@ -153,7 +144,8 @@ class Log:
             self.dropped += 1
             self._push()
             return
-        self._waiting += head + FRAME.pack(len(data), number, RECORD, self._stamp(now)) + data
+        stamp = self._unix + int(now * 1e9)
+        self._waiting += head + FRAME.pack(len(data), number, RECORD, max(stamp, 0)) + data
         self.count += 1
         self._push()
 
@@ -191,9 +183,13 @@ def read(path: Path) -> Iterator[Entry]:
     Raises:
         OutputError: if the file cannot be read.
     """
-    topics: dict[int, Channel] = {}
-    with contextlib.suppress(*_DAMAGE):
-        for record in _records(path):
+    try:
+        file = path.open("rb")
+    except OSError as error:
+        raise OutputError(f"{path} cannot be read: {error.strerror}") from None
+    with file, contextlib.suppress(*_DAMAGE):
+        topics: dict[int, Channel] = {}
+        for record in StreamReader(file).records:
             if isinstance(record, Channel):
                 topics[record.id] = record
             elif isinstance(record, Message):
@@ -201,29 +197,6 @@ def read(path: Path) -> Iterator[Entry]:
                 text = topic.message_encoding == "json"
                 data = json.loads(record.data) if text else record.data
                 yield Entry(topic.topic, record.log_time, data)
-
-
-def attachments(path: Path) -> dict[str, str]:
-    """The files in a log by their names, as many as are whole.
-
-    Raises:
-        OutputError: if the file cannot be read.
-    """
-    found: dict[str, str] = {}
-    with contextlib.suppress(*_DAMAGE):
-        for record in _records(path):
-            if isinstance(record, Attachment):
-                found[record.name] = record.data.decode()
-    return found
-
-
-def _records(path: Path) -> Iterator[McapRecord]:
-    try:
-        file = path.open("rb")
-    except OSError as error:
-        raise OutputError(f"{path} cannot be read: {error.strerror}") from None
-    with file:
-        yield from StreamReader(file).records
 
 
 def _finite(value: Any) -> Any:

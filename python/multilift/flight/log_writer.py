@@ -11,11 +11,11 @@ import time
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from mcap.records import Attachment, Channel, Message, Schema
+from mcap.records import Channel, Message, Schema
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
-from multilift.flight.log import ATTACHMENT, FLUSH_PERIOD, FRAME, NEW_TOPIC
+from multilift.flight.log import FLUSH_PERIOD, FRAME, NEW_TOPIC
 
 _AT_ONCE = 2**18
 
@@ -44,9 +44,6 @@ class _Plain:
                 encoding, _space, topic = content.decode().partition(" ")
                 schema = self._any if encoding == "json" else 0
                 self._channels[number] = self._writer.register_channel(topic, encoding, schema)
-            elif kind == ATTACHMENT:
-                name, _null, text = content.partition(b"\0")
-                self._writer.add_attachment(stamp, stamp, name.decode(), "text/plain", text)
             else:
                 self._sequence += 1
                 channel = self._channels[number]
@@ -102,9 +99,6 @@ def index(path: Path) -> None:
                 channels[record.id] = writer.register_channel(
                     record.topic, record.message_encoding, schemas[record.schema_id]
                 )
-            elif isinstance(record, Attachment):
-                writer.add_attachment(record.create_time, record.log_time, record.name,
-                                      record.media_type, record.data)  # fmt: skip
             elif isinstance(record, Message):
                 writer.add_message(
                     channels[record.channel_id], record.log_time, record.data,

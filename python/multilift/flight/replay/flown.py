@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,18 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift.errors import OutputError, ScenarioError
-from multilift.flight import log, record
+from multilift.flight import log
 from multilift.flight.supervisor import State
+from multilift.models.spatial import FlyingLaw
 from multilift.models.spatial.measured import Measured, run_of
-from multilift.models.spatial.run import SpatialRun, rotation_matrices
+from multilift.models.spatial.run import SpatialRun
 from multilift.models.spatial.scenario import SpatialScenario
 from multilift.saved import SavedLaw
 from multilift.scenario import Scenario
 
 Array = NDArray[np.float64]
 
-#: Of each body, in the order of a row.
-_PARTS = (("position", 3), ("attitude", 4), ("velocity", 3), ("rate", 3))
+#: Of a body: position, velocity, attitude, rate, as logs have them, in the order of a row here.
+_ORDER = [0, 1, 2, 6, 7, 8, 9, 3, 4, 5, 10, 11, 12]
 
 #: How much earlier than planned the course of a flight may end: two ticks of the slowest loop, s.
 _NEARLY = 0.05
@@ -52,15 +53,13 @@ class Flown:
     Attributes:
         path: of the log.
         scenario: that was to be flown.
-        lab: its tables; empty where the log has none.
         began: time of day at the first row, s.
         t: since then, shape (rows,), s.
         state: of the supervisor.
         course: the scenario's time where its reference is flown, else NaN, shape (rows,), s.
         bodies: payload and vehicles: position, attitude, velocity, rate, shape (rows, 1 + n, 13).
-        age: of what each was estimated from, shape (rows, 1 + n), s.
+        force: asked of the rotors, world; 0 where nothing was, shape (rows, n, 3), N.
         wanted: attitudes sent to the vehicles; NaN where none, shape (rows, n, 4).
-        thrust: sent with them, shape (rows, n), N.
         drag_estimate: of the law, shape (rows, n, 3), N s/m.
         changes: the states in order.
         unread: ticks that were not of numbers, and are left out.
@@ -68,15 +67,13 @@ class Flown:
 
     path: Path
     scenario: SpatialScenario
-    lab: Mapping[str, Any]
     began: float
     t: Array
     state: Sequence[str]
     course: Array
     bodies: Array
-    age: Array
+    force: Array
     wanted: Array
-    thrust: Array
     drag_estimate: Array
     changes: Sequence[Change]
     unread: int
@@ -86,13 +83,6 @@ class Flown:
         """Whether the scenario's whole course was flown."""
         end = float(self.scenario["simulation.duration"])
         return bool(np.nanmax(self.course, initial=-np.inf) >= end - _NEARLY)
-
-    @property
-    def force(self) -> Array:
-        """What was asked of the rotors, world; 0 where nothing was sent, shape (rows, n, 3), N."""
-        rows, n = self.thrust.shape
-        up = rotation_matrices(self.wanted.reshape(-1, 4))[:, :, 2].reshape(rows, n, 3)
-        return np.nan_to_num(self.thrust[:, :, None] * up)
 
     def course_run(self) -> SpatialRun:
         """The part in which the scenario was flown, on its own time.
@@ -134,99 +124,108 @@ def read(path: Path) -> Flown:
     Raises:
         OutputError: if it cannot be read, or is no log of a flight.
     """
-    scenario, lab = _attached(path)
-    names = ["payload", *(f"vehicle_{k + 1}" for k in range(scenario.count))]
-    rows: list[_Row] = []
+    scenario: SpatialScenario | None = None
+    ticks: list[_Tick] = []
     unread = 0
     for entry in log.read(path):
-        if entry.topic != record.TOPIC:
-            continue
-        try:
-            row = _row(entry, names)
-        except (LookupError, TypeError, ValueError, AttributeError):
-            unread += 1
-            continue
-        if rows and row.time <= rows[-1].time:
-            unread += 1
-            continue
-        rows.append(row)
-    if not rows:
+        if entry.topic == "lab":
+            scenario = _scenario(path, entry.data)
+        elif scenario is not None and entry.topic in _TOPICS:
+            try:
+                _TOPICS[entry.topic](ticks, entry, scenario.count)
+            except (LookupError, TypeError, ValueError, AttributeError):
+                unread += 1
+    if scenario is None:
         raise OutputError(
-            f"{path}: no tick of a flight is in it\n"
-            f"  permitted: a log with the topic {record.TOPIC!r}, as 'multilift fly' writes it"
+            f"{path}: no lab is in it\n  permitted: a log of 'multilift fly', damaged at its end "
+            "at most"
         )
-    began = rows[0].time
-    t = np.array([(row.time - began) * 1e-9 for row in rows])
-    state = [row.state for row in rows]
-    return Flown(
-        path,
-        scenario,
-        lab,
-        began * 1e-9,
-        t,
-        state,
-        _course(t, state),
-        np.array([row.bodies for row in rows]),
-        np.array([row.age for row in rows]),
-        np.array([row.wanted for row in rows]),
-        np.array([row.thrust for row in rows]),
-        np.array([row.drag for row in rows]),
-        [Change(t[k], state[k], rows[k].problems)
-         for k in range(len(rows)) if k == 0 or state[k] != state[k - 1]],
-        unread,
-    )  # fmt: skip
+    ticks = [tick for tick in ticks if tick.state]
+    if not ticks:
+        raise OutputError(f"{path}: no tick of a flight is in it")
+    return _flown(path, scenario, ticks, unread)
 
 
-@dataclass(frozen=True)
-class _Row:
-    """One tick: time in ns, and numbers as in `Flown`."""
+@dataclass
+class _Tick:
+    """One period of the loop: time in ns, and numbers as in `Flown`."""
 
     time: int
-    state: str
     bodies: Array
-    age: Array
-    wanted: Array
-    thrust: Array
-    drag: Array
-    problems: tuple[str, ...]
+    state: str = ""
+    problems: tuple[str, ...] = ()
+    force: Array | None = None
+    yaw: float = math.nan
+    drag: Array | None = None
 
 
-def _row(entry: log.Entry, names: Sequence[str]) -> _Row:
-    data, n = entry.data, len(names) - 1
-    bodies = np.array(
-        [np.concatenate([_numbers(data["bodies"][name][part], size) for part, size in _PARTS])
-         for name in names]
-    )  # fmt: skip
-    if not np.isfinite(bodies).all():
-        raise ValueError("a state is missing")
+def _estimate(ticks: list[_Tick], entry: log.Entry, n: int) -> None:
+    names = ["payload", *(f"vehicle_{k + 1}" for k in range(n))]
+    bodies = _numbers([entry.data["bodies"][name] for name in names], (1 + n, 13))[:, _ORDER]
     lengths = np.linalg.norm(bodies[:, 3:7], axis=1)
     if np.abs(lengths - 1.0).max() > 0.01:
         raise ValueError("an attitude is none")
+    if ticks and entry.time <= ticks[-1].time:
+        raise ValueError("no later than the last")
     bodies[:, 3:7] /= lengths[:, None]
-    age = np.array([_number(data["bodies"][name]["age"]) for name in names])
-    points = data["set_points"]
-    if len(points) != n:
-        raise ValueError("set-points of another team")
-    nothing = {"attitude": [None] * 4, "thrust": None}
-    wanted = np.array([_numbers((p or nothing)["attitude"], 4) for p in points])
-    thrust = np.array([_number((p or nothing)["thrust"]) for p in points])
-    drag = data.get("drag_estimate")
-    learnt = np.zeros((n, 3)) if drag is None else np.array([_numbers(d, 3) for d in drag])
-    if learnt.shape != (n, 3) or not np.isfinite(learnt).all():
-        raise ValueError("a drag estimate is none")
-    problems = tuple(str(problem) for problem in data.get("problems", ()))
-    return _Row(entry.time, str(data["state"]), bodies, age, wanted, thrust, learnt, problems)
+    ticks.append(_Tick(entry.time, bodies))
 
 
-def _number(value: Any) -> float:
-    return math.nan if value is None else float(value)
+def _supervisor(ticks: list[_Tick], entry: log.Entry, n: int) -> None:
+    tick = _tick_of(ticks, entry)
+    tick.problems = tuple(str(problem) for problem in entry.data["problems"])
+    tick.state = str(entry.data["state"])
 
 
-def _numbers(values: Any, size: int) -> Array:
-    array = np.array([_number(value) for value in values])
-    if array.shape != (size,):
-        raise ValueError("another number of numbers")
+def _wanted(ticks: list[_Tick], entry: log.Entry, n: int) -> None:
+    tick = _tick_of(ticks, entry)
+    force, yaw = _numbers(entry.data["force"], (n, 3)), float(entry.data["yaw"])
+    learnt = entry.data.get("drag_estimate")
+    tick.drag = None if learnt is None else _numbers(learnt, (n, 3))
+    if not math.isfinite(yaw):
+        raise ValueError("a heading is none")
+    tick.force, tick.yaw = force, yaw
+
+
+#: What reads the records of a topic.
+_TOPICS = {"estimate": _estimate, "supervisor": _supervisor, "wanted": _wanted}
+
+
+def _tick_of(ticks: list[_Tick], entry: log.Entry) -> _Tick:
+    if not ticks or ticks[-1].time != entry.time:
+        raise ValueError("of no tick")
+    return ticks[-1]
+
+
+def _numbers(values: Any, shape: tuple[int, ...]) -> Array:
+    array = np.array(values, dtype=float)
+    if array.shape != shape or not np.isfinite(array).all():
+        raise ValueError("no numbers, or not as many")
     return array
+
+
+def _flown(path: Path, scenario: SpatialScenario, ticks: list[_Tick], unread: int) -> Flown:
+    """Ticks as arrays."""
+    n, law = scenario.count, FlyingLaw(scenario)
+    t = np.array([(tick.time - ticks[0].time) * 1e-9 for tick in ticks])
+    state = [tick.state for tick in ticks]
+    nothing, none = np.zeros((n, 3)), np.full((n, 4), np.nan)
+    return Flown(
+        path,
+        scenario,
+        ticks[0].time * 1e-9,
+        t,
+        state,
+        _course(t, state),
+        np.array([tick.bodies for tick in ticks]),
+        np.array([nothing if tick.force is None else tick.force for tick in ticks]),
+        np.array([none if tick.force is None else law.set_points(tick.force, tick.yaw)[0]
+                  for tick in ticks]),
+        np.array([nothing if tick.drag is None else tick.drag for tick in ticks]),
+        [Change(t[k], state[k], ticks[k].problems)
+         for k in range(len(ticks)) if k == 0 or state[k] != state[k - 1]],
+        unread,
+    )  # fmt: skip
 
 
 def _course(t: Array, state: Sequence[str]) -> Array:
@@ -243,19 +242,13 @@ def _course(t: Array, state: Sequence[str]) -> Array:
     return course
 
 
-def _attached(path: Path) -> tuple[SpatialScenario, Mapping[str, Any]]:
-    """The scenario and the lab's tables."""
-    files = log.attachments(path)
-    if record.SCENARIO not in files:
-        raise OutputError(
-            f"{path}: no {record.SCENARIO} is attached to it\n"
-            "  permitted: a log of 'multilift fly', damaged at its end at most"
-        )
+def _scenario(path: Path, data: Any) -> SpatialScenario:
+    """The scenario of a record of the lab."""
     try:
-        scenario = Scenario(tomllib.loads(files[record.SCENARIO]), f"{path}:{record.SCENARIO}")
-        lab = tomllib.loads(files.get(record.LAB, ""))
-    except tomllib.TOMLDecodeError as error:
-        raise OutputError(f"{path}: what is attached to it is no TOML: {error}") from None
+        raw = tomllib.loads(data["scenario"])
+    except (tomllib.TOMLDecodeError, LookupError, TypeError, AttributeError) as error:
+        raise OutputError(f"{path}: the scenario in it cannot be read: {error!r}") from None
+    scenario = Scenario(raw, f"{path}: its scenario")
     if not isinstance(scenario, SpatialScenario):
         raise ScenarioError("is not of vehicles in space", where=scenario.where, key="plant.model")
-    return scenario, lab
+    return scenario
