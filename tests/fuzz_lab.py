@@ -1,7 +1,7 @@
 """Lab files that nobody should write: keys, values and whole texts gone wrong.
 
-``python tests/fuzz_lab.py 2000000 1`` reads so many, from a seed. Each is a lab that can be flown, or
-one clear error that names the file; nothing else, and in no time worth telling.
+``python tests/fuzz_lab.py 2000000 1`` reads so many, from a seed. Each is a lab that can be flown,
+or one clear error that names the file; nothing else, and in no time worth telling.
 """
 
 import contextlib
@@ -39,34 +39,32 @@ REAL = {
 }  # fmt: skip
 TWIN = {"scenario": "exp1_1_quadrotors"}
 
-NUMBERS = (0, -1, 1, 251, 256, 2**31, 2**63, -(2**63), 10**30, 0.0, -0.0, 0.5, 1e308, -1e308, 5e-324,
-           math.inf, -math.inf, math.nan)  # fmt: skip
-TEXTS = ("", " ", "x", "\0", "../..", "/", "é\U0001f681", "a" * 5000, "udpin:0.0.0.0:0", "udpin:::1:1",
-         "udpin:127.0.0.1:99999", "udpout:256.1.1.1:1", "udpin:127.0.0.1:14541", "35 deg", "1e999 m",
-         "3 parsec", "px4", "twin", "qualisys", "vicon", "vehicle_1", "payload", "nan", "true",
-         "٣")  # fmt: skip
-KEYS = tuple(sorted({f.name for t in TABLES.values() for f in t.fields} | set(TABLES)
-                    | {"schema", "name", "title", "scenario", "", "ﬁeld", "plant", "__class__"}))  # fmt: skip
+NUMBERS = (0, -1, 1, 251, 256, 2**31, 2**63, -(2**63), 10**30, 0.0, -0.0, 0.5, 1e308, -1e308,
+           5e-324, math.inf, -math.inf, math.nan)  # fmt: skip
+TEXTS = ("", " ", "x", "\0", "../..", "/", "é\U0001f681", "a" * 5000, "udpin:0.0.0.0:0",
+         "udpin:::1:1", "udpin:127.0.0.1:99999", "udpout:256.1.1.1:1", "udpin:127.0.0.1:14541",
+         "35 deg", "1e999 m", "3 parsec", "px4", "twin", "qualisys", "vicon", "vehicle_1",
+         "payload", "nan", "true", "٣")  # fmt: skip
+OTHERS = {"schema", "name", "title", "scenario", "", "ﬁeld", "plant", "__class__"}
+KEYS = tuple(sorted({f.name for t in TABLES.values() for f in t.fields} | set(TABLES) | OTHERS))
+MARKS = (b"[", b"]", b'"', b"=", b"[[", b"\n", b"#", b"{", b"1e", b"-")
 
 
 def value(draw, depth=0):
     """Anything that TOML can hold."""
-    kind = draw.randrange(8 if depth < 3 else 5)
-    if kind == 0:
-        return draw.choice(NUMBERS)
-    if kind == 1:
-        return draw.choice(TEXTS)
-    if kind == 2:
-        return draw.random() < 0.5
-    if kind == 3:
-        return draw.uniform(-10.0, 10.0)
-    if kind == 4:
-        return draw.randrange(-5, 300)
-    if kind == 5:
-        return [value(draw, depth + 1) for _ in range(draw.randrange(5))]
-    if kind == 6:
-        return [draw.uniform(-5.0, 5.0) for _ in range(3)]
-    return {draw.choice(KEYS): value(draw, depth + 1) for _ in range(draw.randrange(4))}
+    simple = (
+        lambda: draw.choice(NUMBERS),
+        lambda: draw.choice(TEXTS),
+        lambda: draw.random() < 0.5,
+        lambda: draw.uniform(-10.0, 10.0),
+        lambda: draw.randrange(-5, 300),
+    )
+    nested = (
+        lambda: [value(draw, depth + 1) for _ in range(draw.randrange(5))],
+        lambda: [draw.uniform(-5.0, 5.0) for _ in range(3)],
+        lambda: {draw.choice(KEYS): value(draw, depth + 1) for _ in range(draw.randrange(4))},
+    )
+    return draw.choice((*simple, *nested) if depth < 3 else simple)()
 
 
 def copied(node):
@@ -116,9 +114,7 @@ def spoilt(draw):
         if how == 0:
             text[at : at + draw.randrange(20)] = b""
         elif how == 1:
-            text[at:at] = draw.choice(
-                (b"[", b"]", b'"', b"=", b"[[", b"\n", b"#", b"{", b"1e", b"-")
-            )
+            text[at:at] = draw.choice(MARKS)
         elif how == 2:
             text[at : at + 1] = draw.randbytes(1)
         else:
@@ -129,7 +125,7 @@ def spoilt(draw):
 def check_clear(error, where):
     """One error that a person can act upon: file, what is wrong, and what is permitted or to do."""
     text = str(error)
-    assert text.startswith((f"{where}:", str(error.where))), text[:200]
+    assert text.startswith(f"{where}: "), text[:200]
     assert 0 < len(text.splitlines()) <= 6, text[:500]
     assert len(text) < 20_000, len(text)
     assert error.__cause__ is None
@@ -145,10 +141,9 @@ def parsed(tables, folder):
     assert len(made.vehicles) == made.scenario.count
     assert len({v.system for v in made.vehicles}) == len(made.vehicles)
     assert all(0.05 <= v.hover_thrust <= 0.8 for v in made.vehicles)
+    fence = (*made.limits.fence_low, *made.limits.fence_high)
     numbers = [x for x in vars(made.limits).values() if isinstance(x, float)]
-    assert all(
-        math.isfinite(x) for x in (*numbers, *made.limits.fence_low, *made.limits.fence_high)
-    )
+    assert all(map(math.isfinite, (*numbers, *fence)))
     if not made.is_twin and made.key_file is None and not made.security["allow_unsigned"]:
         assert all(v.address.is_local for v in made.vehicles)
     return True

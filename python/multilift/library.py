@@ -36,11 +36,6 @@ def find(path: str | Path) -> Path:
     return _find(path, files(), "'multilift scenarios' lists what is shipped")
 
 
-def is_shipped(name: str) -> bool:
-    """Whether a scenario of that name is shipped."""
-    return name in {file.stem for file in files()}
-
-
 def find_study(path: str | Path) -> Path:
     """The file at `path`, or the shipped study of that name.
 

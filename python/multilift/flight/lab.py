@@ -176,11 +176,12 @@ def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> SpatialScenar
     except (OSError, ValueError) as error:
         if isinstance(error, ScenarioError):
             # What is wrong in a scenario's own file is said of that file.
-            if _is_file(beside) or library.is_shipped(name):
+            shipped = [shown.stem for shown in library.files()]
+            if _is_file(beside) or name in shipped:
                 raise
             raise ScenarioError(
                 "is neither shipped nor a file beside this one", where=where, key="scenario",
-                value=name[:_SHOWN], advice="'multilift scenarios' lists what is shipped",
+                value=name[:_SHOWN], permitted="a TOML file, or one of " + ", ".join(shipped),
             ) from None  # fmt: skip
         raise ScenarioError(f"cannot be read: {error}", where=where, key="scenario",
                             value=name) from None  # fmt: skip
