@@ -173,6 +173,31 @@ def test_a_log_that_ends_anywhere_is_read_up_to_there(flight, plain, tmp_path_fa
     np.testing.assert_array_equal(flown.bodies, full.bodies[: len(flown.t)])
 
 
+@settings(max_examples=60, deadline=None)
+@given(st.binary(min_size=1, max_size=60), st.floats(0.0, 1.0))
+def test_a_damaged_log_is_a_flight_or_one_error(plain, tmp_path_factory, noise, where):
+    content = bytearray(plain.read_bytes())
+    at = round(where * len(content))
+    content[at : at + len(noise)] = noise
+    broken = tmp_path_factory.getbasetemp() / "broken.mcap"
+    broken.write_bytes(content)
+    try:
+        flown = reading.read(broken)
+    except ml.MultiliftError as error:
+        assert "broken.mcap" in str(error)
+        return
+    assert np.isfinite(flown.bodies).all() and (np.diff(flown.t) > 0.0).all()
+
+
+def test_what_only_looks_like_a_scenario_is_refused(tmp_path):
+    for k, text in enumerate((3, "a = ", "[" * 5000, "[plant]\nmodel = 'planar'", "x = 1e999")):
+        log = Log(tmp_path / f"{k}.mcap", 0.0)
+        log.write("lab", 0.0, {"scenario": text})
+        log.close()
+        with pytest.raises(ml.MultiliftError, match=rf"{k}\.mcap"):
+            reading.read(tmp_path / f"{k}.mcap")
+
+
 def test_ticks_that_are_none_are_counted_and_left_out(flight, tmp_path):
     run, _path, lab = flight
     path = tmp_path / "odd.mcap"
@@ -180,7 +205,13 @@ def test_ticks_that_are_none_are_counted_and_left_out(flight, tmp_path):
     rows.tick(log, 0.9 * logs.START, State.FLY, 0)  # before anyone says what is flown
     logs.begin(log, lab)
     rows.tick(log, logs.START, State.FLY, 0)
-    for odd in ({}, {"bodies": 3}, {"bodies": {}}, {"bodies": {"payload": [None] * 13}}, [1]):
+    for odd in (
+        {},
+        {"bodies": 3},
+        {"bodies": {}},
+        {"bodies": {"payload": [None] * 13}},
+        {"bodies": dict.fromkeys(rows.bodies, [10**400] * 13)},
+    ):
         log.write("estimate", logs.START + 0.01, odd)
     log.write("supervisor", logs.START + 0.01, {"state": "fly", "problems": []})  # of none
     rows.tick(log, logs.START + 0.02, State.FLY, 1, steered=False)

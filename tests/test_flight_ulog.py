@@ -1,5 +1,7 @@
 """What an autopilot recorded is found beside our log, whenever its clock began."""
 
+import json
+
 import flight_logs as logs
 import flight_ulog
 import multilift as ml
@@ -7,7 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from multilift import cli
 from multilift.flight.replay import flown as reading
+from typer.testing import CliRunner
 
 pytest.importorskip("pyulog", reason="pyulog is not installed (multilift[fly])")
 from multilift.flight.replay import ulog
@@ -106,6 +110,24 @@ def test_what_is_not_there_is_not_compared(flight, tmp_path):
     with pytest.raises(ml.OutputError, match="no attitudes"):
         place = np.zeros((len(t), 3))
         compared(flight, 0, flight_ulog.write({"vehicle_local_position": (t, place)}), tmp_path)
+
+
+def test_the_command_lays_each_vehicle_s_recording_beside_its_log(flight, tmp_path):
+    files = []
+    for k in range(2):
+        files += ["--ulog", str(tmp_path / f"{k}.ulg")]
+        (tmp_path / f"{k}.ulg").write_bytes(recording(flight, k, 50.0 + k))
+    out = tmp_path / "out"
+    call = ["replay", str(flight.path), *files]
+    result = CliRunner().invoke(cli.app, [*call, "-o", str(out)])
+    assert result.exit_code == 0, result.exception
+    told = json.loads((out / "replay.json").read_text())["ulog"]
+    assert [round(told[f"vehicle_{k + 1}"]["offset"]) for k in range(2)] == [-50, -51]
+    assert set(told["vehicle_1"]) == set(ulog.MEANINGS)
+    assert "Recording of vehicle 2" in (out / "report.html").read_text()
+    assert (out / "ulog_vehicle_2.csv").is_file()
+    again = CliRunner().invoke(cli.app, [*call, "--ulog", files[1]])
+    assert "permitted: 2 times" in str(again.exception)
 
 
 @pytest.fixture(scope="module")

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 #: Of a body: position, velocity, attitude, rate, as logs have them, in the order of a row here.
 _ORDER = [0, 1, 2, 6, 7, 8, 9, 3, 4, 5, 10, 11, 12]
 
+#: What numbers and tables raise that are not what they should be.
+_NONSENSE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
+
 #: How much earlier than planned the course of a flight may end: two ticks of the slowest loop, s.
 _NEARLY = 0.05
 
@@ -133,7 +136,7 @@ def read(path: Path) -> Flown:
         elif scenario is not None and entry.topic in _TOPICS:
             try:
                 _TOPICS[entry.topic](ticks, entry, scenario.count)
-            except (LookupError, TypeError, ValueError, AttributeError):
+            except _NONSENSE:
                 unread += 1
     if scenario is None:
         raise OutputError(
@@ -246,7 +249,7 @@ def _scenario(path: Path, data: Any) -> SpatialScenario:
     """The scenario of a record of the lab."""
     try:
         raw = tomllib.loads(data["scenario"])
-    except (tomllib.TOMLDecodeError, LookupError, TypeError, AttributeError) as error:
+    except (RecursionError, *_NONSENSE) as error:
         raise OutputError(f"{path}: the scenario in it cannot be read: {error!r}") from None
     scenario = Scenario(raw, f"{path}: its scenario")
     if not isinstance(scenario, SpatialScenario):
