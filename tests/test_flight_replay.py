@@ -75,6 +75,27 @@ def test_the_audit_adds_up_and_says_what_a_run_s_says(flight):
     assert abs(audit["integration_error"]) < 0.01 * audit["storage_start"]
 
 
+@pytest.mark.parametrize(("name", "law", "changes"), [
+    ("exp1_1_quadrotors", "energy_coupled", {"plant.cables": "elastic", "simulation.step": 5e-4}),
+    ("uneven_four", "energy_coupled", {"vehicle.type": "paper_craft"}),
+    ("exp1_1_quadrotors", "pd", {}),
+])  # fmt: skip
+def test_so_it_is_with_other_cables_vehicles_and_laws(tmp_path, name, law, changes):
+    changes = {**CHANGES, "simulation.duration": 2.0, **changes}
+    scenario = ml.load(name).with_law(law).with_values(changes)
+    (tmp_path / "scenario.toml").write_text(scenario.to_toml())
+    run, lab = ml.simulate(scenario), logs.twin("scenario.toml", tmp_path)
+    replay = Replay(reading.read(logs.write(tmp_path / "a.mcap", lab, run,
+                                            logs.states_of(run, 0, 0))), {})  # fmt: skip
+    told = replay.flight
+    assert told.metrics["peak_swing"] == pytest.approx(run.metrics["peak_swing"], rel=1e-3)
+    known = run.t > 4.0 * max(scenario["vehicle.rotor_time_constant"])
+    for k in range(scenario.count):
+        tension = f"tension{k + 1}"
+        np.testing.assert_allclose(told[tension][known], run[tension][known], rtol=0.02)
+    assert replay.unexplained < 0.01
+
+
 def test_what_the_model_does_not_know_of_is_left_over(flight, tmp_path):
     """The same motion is told to be of twice the load: its tensions are not explained."""
     run, path, lab = flight
