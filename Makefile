@@ -21,7 +21,7 @@ help:
 	@echo "make test-drake  flights against a second multibody engine, Drake"
 	@echo "make test-flights  the paper's experiments, flown through all wires"
 	@echo "make campaign    three hundred flights with faults; campaign-sample: twenty"
-	@echo "make fuzz        millions of messages that nobody should send, for every decoder"
+	@echo "make fuzz        millions of messages and files that nobody should send or write"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -71,6 +71,7 @@ campaign-sample: $(VENV)/.with-test
 fuzz: $(VENV)/.with-test
 	$(BIN)/python tests/rt_fuzz.py
 	$(BIN)/python tests/fuzz_sitl.py 5000000 1
+	$(BIN)/python tests/fuzz_lab.py 2000000 1
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check .

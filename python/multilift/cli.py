@@ -17,6 +17,7 @@ import multilift as ml
 from multilift import library, storage
 from multilift.cli_compare import compare
 from multilift.cli_fly import fly, twin
+from multilift.cli_replay import replay
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
@@ -113,6 +114,11 @@ app.command(
     epilog="Examples:  multilift twin  |  multilift twin LAB.toml --speed 2  |  "
     "multilift twin --yes"
 )(twin)
+
+app.command(
+    epilog="Examples:  multilift replay flight.mcap  |  multilift replay flight.mcap -o out/flight "
+    "--ulog left.ulg --ulog right.ulg"
+)(replay)
 
 
 @app.command(

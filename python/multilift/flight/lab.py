@@ -24,6 +24,9 @@ from multilift.models.spatial.scenario import SpatialScenario
 _TEXTS = ("name", "title")
 _KEYS = ("schema", *_TEXTS, "scenario", *TABLES)
 
+#: Letters of a scenario's name that an error shows.
+_SHOWN = 200
+
 
 @dataclass(frozen=True)
 class LabVehicle:
@@ -199,7 +202,14 @@ def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> SpatialScenar
         flown = scenario.load(beside if _is_file(beside) else name)
     except (OSError, ValueError) as error:
         if isinstance(error, ScenarioError):
-            raise
+            # What is wrong in a scenario's own file is said of that file.
+            shipped = [shown.stem for shown in library.files()]
+            if _is_file(beside) or name in shipped:
+                raise
+            raise ScenarioError(
+                "is neither shipped nor a file beside this one", where=where, key="scenario",
+                value=name[:_SHOWN], permitted="a TOML file, or one of " + ", ".join(shipped),
+            ) from None  # fmt: skip
         raise ScenarioError(f"cannot be read: {error}", where=where, key="scenario",
                             value=name) from None  # fmt: skip
     if not isinstance(flown, SpatialScenario):

@@ -357,6 +357,9 @@ class TwinAutopilot:
             refusal = self._arm(message.param1 == 1.0, message.param2 == _BOTH_FORCED)
         elif message.command == mavlink.MAV_CMD_DO_SET_MODE:
             refusal = self._take_mode(message)
+        elif message.command == mavlink.MAV_CMD_NAV_LAND:
+            self._change(self.firmware.land_mode)
+            refusal = ""
         else:
             self._acknowledge(message.command, mavlink.MAV_RESULT_UNSUPPORTED)
             return
@@ -388,7 +391,7 @@ class TwinAutopilot:
         return refusal
 
     def _take_mode(self, message: Any) -> str:
-        if message.param1 != 1.0:
+        if message.param1 % 2.0 != 1.0:  # the flag of a custom mode, the lowest one
             return "Mode denied: not custom"
         if self.firmware is PX4:
             mode = int(message.param2) << 16 | int(message.param3) << 24
