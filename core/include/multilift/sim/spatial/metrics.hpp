@@ -149,6 +149,10 @@ class Metrics {
     v(Field{"position_settling_time", "s", Range::any,
             "last time a vehicle is farther than 0.02 m from its target; empty likewise"},
       settled(last_far_));
+    v(Field{"combined_settling", "s", Range::any,
+            "last time a vehicle is farther than 0.02 m from its target or a taut cable more than "
+            "1 degree from its direction at rest; empty likewise"},
+      settled(max(last_swing_, last_far_)));
     v(Field{"payload_settling_time", "s", Range::any,
             "last time the payload is farther than 0.02 m from its target; empty likewise"},
       settled(last_payload_far_));
