@@ -195,9 +195,10 @@ def fly(
     middles = (np.arange(moving) + 0.5) / moving
     inputs = solution.inputs[solution.mesh.owner(middles)]
 
-    def law(measured: Any) -> Vector:
+    def law(measured: Any) -> list[float]:
         k = round(measured.t / step)
-        return inputs[k] if k < moving else move.input_goal
+        force: list[float] = (inputs[k] if k < moving else move.input_goal).tolist()
+        return force
 
     run = simulate(ideal, PythonLaw(f"least_{least}", TITLES[least], lambda _: law))
     if not run.finished:

@@ -238,7 +238,7 @@ def _time_guess(plant: dict[str, Any], ends: list[tuple[Vector, Vector]], shares
     """A swing's period, or how long a quarter of the weight takes for the way."""
     way = float(np.abs(ends[1][0][:2] - ends[0][0][:2]).max())
     period = 2 * np.pi * np.sqrt(max(plant["cable_length"]) / plant["gravity"])
-    return max(period, 2.0 * float(np.sqrt(way / (0.25 * plant["gravity"]))))
+    return float(max(period, 2.0 * np.sqrt(way / (0.25 * plant["gravity"]))))
 
 
 def arrival(run: PlanarRun, row: int) -> dict[str, float]:

@@ -94,7 +94,8 @@ def _effective_inertia(plant: dict[str, Any]) -> Vector:
     arms = np.array(plant["attachment"]) ** 2
     across = arms.sum(axis=1, keepdims=True) - arms
     masses = np.array(plant["vehicle_mass"])
-    return np.array(plant["payload_inertia"]) + masses @ across
+    inertia: Vector = np.array(plant["payload_inertia"]) + masses @ across
+    return inertia
 
 
 def has_attitude(plant: dict[str, Any]) -> bool:
@@ -322,4 +323,4 @@ def _time_guess(plant: dict[str, Any], ends: list[Vector]) -> float:
     """A swing's period, or how long a quarter of the weight takes for the way."""
     way = float(np.abs(ends[1][:3] - ends[0][:3]).max())
     period = 2 * np.pi * np.sqrt(max(plant["cable_length"]) / plant["gravity"])
-    return max(period, 2.0 * float(np.sqrt(way / (0.25 * plant["gravity"]))))
+    return float(max(period, 2.0 * np.sqrt(way / (0.25 * plant["gravity"]))))
