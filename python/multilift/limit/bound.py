@@ -15,7 +15,7 @@ from multilift.limit import collocation
 from multilift.limit.bounds import Limits
 from multilift.limit.collocation import Solution
 from multilift.limit.errors import LimitError
-from multilift.limit.move import Move, Vector
+from multilift.limit.move import Move
 from multilift.run import Run, finite
 from multilift.scenario import Scenario
 from multilift.simulate import simulate
