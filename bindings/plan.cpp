@@ -69,12 +69,19 @@ void bind_in(nb::module_& m, const char* name) {
          double duration) { return plan::timed_move<D>(from, {goal, velocity}, duration); },
       nb::arg("start"), nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("duration"));
   m.def(
+      "plan_least_snap",
+      [](const Place<D>& from, const Place<D>& to, double duration) {
+        return plan::least_snap_move<D>(from, to, duration);
+      },
+      nb::arg("start"), nb::arg("goal"), nb::arg("duration"));
+  m.def(
       "plan_move",
       [](const plan::Motion<D>& from, const Place<D>& goal, const Place<D>& velocity,
-         const plan::Limits& limits) {
-        return plan::fastest_move<D>(from, {goal, velocity}, limits);
+         const plan::Limits& limits, double remaining) {
+        return plan::fastest_move<D>(from, {goal, velocity}, limits, remaining);
       },
-      nb::arg("start"), nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("limits"));
+      nb::arg("start"), nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("limits"),
+      nb::arg("remaining"));
   m.def(
       "plan_shaped",
       [](const Place<D>& from, const Place<D>& to, const plan::Limits& limits,
@@ -97,18 +104,6 @@ void bind_in(nb::module_& m, const char* name) {
       nb::arg("position"), nb::arg("velocity"), nb::arg("lean"), nb::arg("lean_rate"),
       nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("limits"), nb::arg("ratio"),
       nb::arg("pendulum"), nb::arg("load"));
-  m.def(
-      "plan_peaks",
-      [](const std::array<plan::Polynomial, D>& way, double duration) {
-        plan::Limits peaks;
-        plan::Coordinates<D> unit = way;
-        for (plan::Polynomial& c : unit) c = plan::in_time(c, 1.0 / duration);
-        for (std::size_t k = 0; k < peaks.size(); ++k)
-          peaks[k] = plan::peak<D>(unit, duration, k + 1);
-        return peaks;
-      },
-      nb::arg("way"), nb::arg("duration"),
-      "Upper bounds of speed, acceleration, jerk and snap over a piece.");
 }
 
 }  // namespace
@@ -116,6 +111,12 @@ void bind_in(nb::module_& m, const char* name) {
 void bind_plan(nb::module_& m) {
   bind_in<2>(m, "PlannedWay2");
   bind_in<3>(m, "PlannedWay3");
+  m.def(
+      "plan_least_snap_duration",
+      [](double distance, const plan::Limits& limits) {
+        return plan::rest_to_rest_duration(distance, limits, plan::least_snap_peak);
+      },
+      nb::arg("distance"), nb::arg("limits"), "The shortest time of such a move within limits, s.");
   m.def("shaper_impulses", &impulses, nb::arg("kind"), nb::arg("frequency"), nb::arg("damping"),
         nb::arg("tolerance"), "Times, s, and weights of a shaper's impulses.");
   m.def(

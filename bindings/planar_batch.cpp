@@ -26,6 +26,7 @@ struct Job {
   Timing timing;
   bool ideal;
   planar::Path path;  // of the bar relative to its goal; none: the goal rests from the start
+  planar::Ages ages;
   double* metrics;
   double* audit;
   double* final_state;  // worlds x 10
@@ -58,7 +59,7 @@ class Kernel {
     const std::vector<Push<R>> pushes = pushes_from(job_.pushes, next);
 
     Law law(gains, assumed, goal, job_.timing.control_period());
-    const auto reference = reference_along(job_.path, assumed, goal);
+    const auto reference = reference_along(job_.path, assumed, goal, job_.ages);
     std::array<std::size_t, MULTILIFT_LANES> recorded{};
     const auto record = [&](const planar::Sample<R>& sample, const mask_t<R>& whose) {
       if (job_.samples == nullptr) return;
@@ -117,7 +118,8 @@ void run(const std::string& law, const Array2<const double>& rows,
          const Array2<double>& final_state, const Array1<double>& end_time,
          const Array1<std::int8_t>& status, const Array1<std::int8_t>& culprit,
          const nb::object& samples, unsigned threads, const nb::object& progress,
-         const std::vector<PlanarPiece>& pieces, double path_end) {
+         const std::vector<PlanarPiece>& pieces, double path_end,
+         const std::array<double, 2>& ages) {
   Job job{rows.data(),
           rows.shape(1),
           seeds.data(),
@@ -126,6 +128,7 @@ void run(const std::string& law, const Array2<const double>& rows,
           {step, steps, control_steps, record_steps},
           ideal,
           planar_path(pieces, path_end),
+          {ages[0], ages[1]},
           metrics.data(),
           audit.data(),
           final_state.data(),
@@ -162,7 +165,7 @@ void bind_planar_batch(nb::module_& m) {
         nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"), nb::arg("record_steps"),
         nb::arg("ideal"), nb::arg("metrics"), nb::arg("audit"), nb::arg("final_state"),
         nb::arg("end_time"), nb::arg("status"), nb::arg("culprit"), nb::arg("samples").none(),
-        nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"),
+        nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"), nb::arg("ages"),
         "Runs every row's world and fills the arrays. Releases the GIL.");
 }
 

@@ -26,9 +26,10 @@ inline planar::Path planar_path(const std::vector<PlanarPiece>& pieces, double e
 template <class R>
 std::optional<planar::Reference<R>> reference_along(const planar::Path& path,
                                                     const planar::Plant<R>& assumed,
-                                                    const std::array<Vec2<R>, 2>& goal) {
+                                                    const std::array<Vec2<R>, 2>& goal,
+                                                    const planar::Ages& ages) {
   if (path.pieces.empty()) return std::nullopt;
-  return planar::Reference<R>(assumed, goal, path);
+  return planar::Reference<R>(assumed, goal, path, ages);
 }
 
 template <class R>

@@ -58,8 +58,8 @@ Path<D> antiswing_move(const Carried<D>& from, const Goal<D>& goal, const Limits
   const double settling = -std::log(left_over) / (ratio * frequency);
   Motion<D> start{};
   for (std::size_t c = 0; c < D; ++c)
-    start[c] = {from.position[c],
-                from.velocity[c] + (c + 1 < D ? kappa * from.lean.d[c] : 0.0), 0.0, 0.0, 0.0};
+    start[c] = {from.position[c], from.velocity[c] + (c + 1 < D ? kappa * from.lean.d[c] : 0.0),
+                0.0, 0.0, 0.0};
   Limits within = limits;
   for (int pass = 0; pass < passes; ++pass) {
     const Path<D> way = fastest_move(start, goal, within);
@@ -71,8 +71,7 @@ Path<D> antiswing_move(const Carried<D>& from, const Goal<D>& goal, const Limits
                              [&](double time) { return way.at(time); });
     double slower = 1.0;
     for (std::size_t k = 0; k < peaks.size(); ++k)
-      slower = std::max(
-          slower, std::pow(peaks[k] / limits[k], 1.0 / static_cast<double>(k + 1)));
+      slower = std::max(slower, std::pow(peaks[k] / limits[k], 1.0 / static_cast<double>(k + 1)));
     if (slower > 1.0 + 1e-6) {
       slower *= 1.02;
       double factor = 1.0;

@@ -1,6 +1,7 @@
 // A way through space as polynomials in time, piece by piece.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -31,7 +32,8 @@ struct Piece {
   std::array<Polynomial, D> coordinate;
 };
 
-/// Pieces in ascending order, each until the next one. From `end` on all stands still.
+/// Pieces in ascending order, each until the next one. Before the first one all is as it begins,
+/// from `end` on it stands still.
 template <std::size_t D>
 struct Path {
   std::vector<Piece<D>> pieces;
@@ -41,7 +43,7 @@ struct Path {
     std::size_t k = pieces.size() - 1;
     while (k > 0 && time < pieces[k].start) --k;
     const bool over = end <= time;
-    const double t = (over ? end : time) - pieces[k].start;
+    const double t = std::max((over ? end : time) - pieces[k].start, 0.0);
     std::array<Derivatives, D> all;
     for (std::size_t c = 0; c < D; ++c) {
       all[c] = evaluate(pieces[k].coordinate[c], t);

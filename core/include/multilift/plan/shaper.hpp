@@ -12,7 +12,6 @@
 // right, nothing at two frequencies beside, and no more than V between and a little beyond.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -44,9 +43,15 @@ inline std::vector<Impulse> shaper(ShaperKind kind, const Mode& mode, double tol
   const double outer = 0.25 * (1.0 + tolerance), inner = 0.5 * (1.0 - tolerance);
   std::vector<double> weight;
   switch (kind) {
-    case ShaperKind::zv: weight = {1.0, k}; break;
-    case ShaperKind::zvd: weight = {1.0, 2.0 * k, k * k}; break;
-    case ShaperKind::ei: weight = {outer, k * inner, k * k * outer}; break;
+    case ShaperKind::zv:
+      weight = {1.0, k};
+      break;
+    case ShaperKind::zvd:
+      weight = {1.0, 2.0 * k, k * k};
+      break;
+    case ShaperKind::ei:
+      weight = {outer, k * inner, k * k * outer};
+      break;
   }
   double sum = 0.0;
   for (double w : weight) sum += w;
@@ -75,7 +80,7 @@ template <std::size_t D>
 Motion<D> shaped(const std::vector<Impulse>& impulses, const Path<D>& way, double time) {
   Motion<D> sum{};
   for (const Impulse& impulse : impulses) {
-    const Motion<D> copy = way.at(std::max(time - impulse.time, 0.0));
+    const Motion<D> copy = way.at(time - impulse.time);
     for (std::size_t c = 0; c < D; ++c)
       for (std::size_t k = 0; k < sum[c].size(); ++k) sum[c][k] += impulse.weight * copy[c][k];
   }

@@ -64,8 +64,7 @@ struct Rates {
 };
 
 template <std::size_t D>
-Rates<D> rates(const Pendulum& pendulum, double kappa, const Motion<D>& way,
-               const Swaying<D>& at) {
+Rates<D> rates(const Pendulum& pendulum, double kappa, const Motion<D>& way, const Swaying<D>& at) {
   const auto& [d, d_dot] = at.lean;
   const double l = pendulum.length;
   Rates<D> result;
@@ -87,11 +86,10 @@ Rates<D> rates(const Pendulum& pendulum, double kappa, const Motion<D>& way,
     x[4] = 0.0;
     pull_rate[c] = x[3];
   }
-  const double r_dot =
-      dot(d_dot, pull) + dot(d, pull_rate) + 2.0 * l * dot(d_dot, result.d_ddot);
+  const double r_dot = dot(d_dot, pull) + dot(d, pull_rate) + 2.0 * l * dot(d_dot, result.d_ddot);
   for (std::size_t c = 0; c < D; ++c)
-    result.d_third[c] = (pull_rate[c] - r_dot * d[c] - r * d_dot[c]) / l -
-                        pendulum.damping * result.d_ddot[c];
+    result.d_third[c] =
+        (pull_rate[c] - r_dot * d[c] - r * d_dot[c]) / l - pendulum.damping * result.d_ddot[c];
   return result;
 }
 
@@ -175,9 +173,8 @@ Path<D> swayed(const Pendulum& pendulum, double kappa, Lean<D>& lean, double dur
       for (const Derivatives& x : now.vehicle) square += x[order] * x[order];
       peaks[order - 1] = std::max(peaks[order - 1], std::sqrt(square));
     }
-    const Motion<D> here = follow == Follow::load
-                               ? detail::load_of<D>(pendulum, now, state.lean)
-                               : now.vehicle;
+    const Motion<D> here =
+        follow == Follow::load ? detail::load_of<D>(pendulum, now, state.lean) : now.vehicle;
     if (k > 0) {
       Piece<D> piece{time - h, {}};
       for (std::size_t c = 0; c < D; ++c)

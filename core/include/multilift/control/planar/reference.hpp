@@ -19,12 +19,28 @@ namespace multilift::planar {
 /// The bar's way relative to where it hangs at the goal, m.
 using Path = plan::Path<2>;
 
+/// How far a law's view of a reference is off the present, s.
+struct Ages {
+  double lead{0.0};      // of the forces that the way takes
+  double measured{0.0};  // of what it measures
+};
+
 template <Real R>
 class Reference {
  public:
   /// `assumed` is the plant as whoever plans believes it to be; `path` has at least one piece.
-  Reference(const Plant<R>& assumed, const std::array<Vec2<R>, 2>& goal, const Path& path)
-      : assumed_(assumed), goal_(goal), path_(path) {}
+  Reference(const Plant<R>& assumed, const std::array<Vec2<R>, 2>& goal, const Path& path,
+            const Ages& ages)
+      : assumed_(assumed), goal_(goal), path_(path), ages_(ages) {}
+
+  /// What a law is given: forces ahead of time, for actuators that lag, and places as old as what
+  /// it measures.
+  void for_law(double time, Target<R>& target) const {
+    at(time + ages_.lead, target);
+    const auto ahead = target.feedforward;
+    at(time - ages_.measured, target);
+    target.feedforward = ahead;
+  }
 
   MULTILIFT_NOINLINE void at(double time, Target<R>& target) const {
     const auto way = path_.at(time);
@@ -59,6 +75,7 @@ class Reference {
   Plant<R> assumed_;
   std::array<Vec2<R>, 2> goal_;
   Path path_;
+  Ages ages_;
 };
 
 }  // namespace multilift::planar

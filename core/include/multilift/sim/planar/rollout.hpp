@@ -116,7 +116,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
   std::array<Vec2<R>, 2> d_hat = law.d_hat();
   R estimation = storage_function.estimation_energy(plant, d_hat);
   Command<R> commanded{};
-  Target<R> moving;
+  Target<R> moving, for_law;
   const auto target_at = [&](double time) -> const Target<R>* {
     if (reference == nullptr) return nullptr;
     reference->at(time, moving);
@@ -141,7 +141,10 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
       }
       Measurement<R> measured = sensors.read(k, state, pose);
       measured.time = time;
-      measured.target = target;
+      if (reference != nullptr) {
+        reference->for_law(time, for_law);
+        measured.target = &for_law;
+      }
       measured.saturated = actuators.saturated();
       commanded = law.step(measured);
       actuators.command(k, commanded);
