@@ -45,8 +45,8 @@ template <std::size_t D>
 void bind_in(nb::module_& m, const char* name) {
   using Path = plan::Path<D>;
   using PieceTuple = std::tuple<double, std::array<plan::Polynomial, D>>;
-  nb::class_<Path>(m, name, "A planned way; empty where none keeps to the limits.")
-      .def_ro("end", &Path::end, "When it stands still, s; infinite behind a goal that moves.")
+  nb::class_<Path> way(m, name, "A planned way; empty where none keeps to the limits.");
+  way.def_ro("end", &Path::end, "When it stands still, s; infinite behind a goal that moves.")
       .def_prop_ro(
           "pieces",
           [](const Path& path) {
@@ -63,27 +63,27 @@ void bind_in(nb::module_& m, const char* name) {
             return path.at(time);
           },
           nb::arg("time"), "Each coordinate with four derivatives.");
-  m.def(
-      "plan_timed",
+  way.def_static(
+      "timed",
       [](const plan::Motion<D>& from, const Place<D>& goal, const Place<D>& velocity,
          double duration) { return plan::timed_move<D>(from, {goal, velocity}, duration); },
       nb::arg("start"), nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("duration"));
-  m.def(
-      "plan_least_snap",
+  way.def_static(
+      "least_snap",
       [](const Place<D>& from, const Place<D>& to, double duration) {
         return plan::least_snap_move<D>(from, to, duration);
       },
       nb::arg("start"), nb::arg("goal"), nb::arg("duration"));
-  m.def(
-      "plan_move",
+  way.def_static(
+      "move",
       [](const plan::Motion<D>& from, const Place<D>& goal, const Place<D>& velocity,
          const plan::Limits& limits, double remaining) {
         return plan::fastest_move<D>(from, {goal, velocity}, limits, remaining);
       },
       nb::arg("start"), nb::arg("goal"), nb::arg("goal_velocity"), nb::arg("limits"),
       nb::arg("remaining"));
-  m.def(
-      "plan_shaped",
+  way.def_static(
+      "shaped",
       [](const Place<D>& from, const Place<D>& to, const plan::Limits& limits,
          const std::vector<std::pair<double, double>>& given, const std::array<double, 3>& p,
          bool load) {
@@ -92,8 +92,8 @@ void bind_in(nb::module_& m, const char* name) {
       },
       nb::arg("start"), nb::arg("goal"), nb::arg("limits"), nb::arg("impulses"),
       nb::arg("pendulum"), nb::arg("load"));
-  m.def(
-      "plan_antiswing",
+  way.def_static(
+      "antiswing",
       [](const Place<D>& position, const Place<D>& velocity, const Place<D>& lean,
          const Place<D>& lean_rate, const Place<D>& goal, const Place<D>& goal_velocity,
          const plan::Limits& limits, double ratio, const std::array<double, 3>& p, bool load) {

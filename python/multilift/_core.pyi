@@ -3,7 +3,7 @@ Compiled core of multilift. Use the multilift package; this module may change.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, overload
+from typing import Annotated
 
 import numpy
 from numpy.typing import NDArray
@@ -48,35 +48,20 @@ class PlannedWay2:
     def at(self, time: float) -> list[list[float]]:
         """Each coordinate with four derivatives."""
 
-@overload
-def plan_timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay2: ...
+    @staticmethod
+    def timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay2: ...
 
-@overload
-def plan_timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay3: ...
+    @staticmethod
+    def least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay2: ...
 
-@overload
-def plan_least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay2: ...
+    @staticmethod
+    def move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay2: ...
 
-@overload
-def plan_least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay3: ...
+    @staticmethod
+    def shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
 
-@overload
-def plan_move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay2: ...
-
-@overload
-def plan_move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay3: ...
-
-@overload
-def plan_shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
-
-@overload
-def plan_shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
-
-@overload
-def plan_antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
-
-@overload
-def plan_antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
+    @staticmethod
+    def antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
 
 class PlannedWay3:
     """A planned way; empty where none keeps to the limits."""
@@ -91,6 +76,21 @@ class PlannedWay3:
 
     def at(self, time: float) -> list[list[float]]:
         """Each coordinate with four derivatives."""
+
+    @staticmethod
+    def timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
+
+    @staticmethod
+    def antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
 
 def plan_least_snap_duration(distance: float, limits: Sequence[float]) -> float:
     """The shortest time of such a move within limits, s."""

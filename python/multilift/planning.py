@@ -148,7 +148,7 @@ def move(
         PlanningError: for numbers that are no state or goal.
     """
     begin, to, velocity = _checked(start, goal, goal_velocity)
-    return Way(_core.plan_move(begin, to, velocity, limits.numbers, remaining))
+    return Way(_way_in(to).move(begin, to, velocity, limits.numbers, remaining))
 
 
 def timed_move(
@@ -161,7 +161,7 @@ def timed_move(
     """
     _check_duration(duration)
     begin, to, velocity = _checked(start, goal, goal_velocity)
-    return Way(_core.plan_timed(begin, to, velocity, duration))
+    return Way(_way_in(to).timed(begin, to, velocity, duration))
 
 
 def least_snap_move(
@@ -188,7 +188,7 @@ def least_snap_move(
         distance = math.dist(first, to)
         duration = max(_core.plan_least_snap_duration(distance, limits.numbers), SHORTEST)
     _check_duration(duration)
-    return Way(_core.plan_least_snap(first, to, duration))
+    return Way(_way_in(to).least_snap(first, to, duration))
 
 
 def shaper(kind: str, mode: Mode, tolerance: float = 0.05) -> Impulses:
@@ -238,7 +238,7 @@ def shaped_move(
     """
     begin, to, _ = _checked(state(start), goal, None)
     return Way(
-        _core.plan_shaped(
+        _way_in(to).shaped(
             [row[0] for row in begin], to, limits.numbers, list(impulses), pendulum.numbers, load
         )
     )
@@ -279,10 +279,15 @@ def antiswing_move(
     begin, to, moving = _checked(state(position, velocity, lean, lean_rate), goal, goal_velocity)
     columns = [[row[k] for row in begin] for k in range(4)]
     return Way(
-        _core.plan_antiswing(
+        _way_in(to).antiswing(
             *columns, to, moving, limits.numbers, damping_ratio, pendulum.numbers, load
         )
     )
+
+
+def _way_in(place: list[float]) -> Any:
+    """The core's planner for as many coordinates."""
+    return _core.PlannedWay2 if len(place) == 2 else _core.PlannedWay3
 
 
 def _check_duration(duration: float) -> None:

@@ -33,7 +33,7 @@ class Problem:
     Attributes:
         values: the scenario's tables.
         where: the scenario, for errors.
-        plant: the plant's numbers in the core's order.
+        assumed: the plant as whoever plans believes it to be, in the core's order.
         start: the bar relative to its goal, with its velocity, and what the mean lean of the cables
             and its rate make of its acceleration and jerk, at rest vertically.
         lean: the mean lean of the cables from the vertical, rad, positive towards +y at the top.
@@ -42,7 +42,7 @@ class Problem:
 
     values: dict[str, Any]
     where: str
-    plant: list[float]
+    assumed: list[float]
     start: State
     lean: float
     lean_rate: float
@@ -77,13 +77,19 @@ class Problem:
 
 
 def pieces(
-    values: dict[str, Any], plant: list[float], q: Array, q_dot: Array, where: str
+    values: dict[str, Any],
+    plant: list[float],
+    assumed: list[float],
+    q: Array,
+    q_dot: Array,
+    where: str,
 ) -> tuple[list[Piece], float]:
     """A scenario's way and when it ends, s; no pieces for a step.
 
     Args:
         values: normalised tables.
         plant: the plant's numbers in the core's order.
+        assumed: the same as whoever plans believes them to be.
         q: the seven coordinates at the start.
         q_dot: their rates.
         where: for errors.
@@ -95,7 +101,7 @@ def pieces(
     reference = values["reference"]
     if reference["kind"] == "step":
         return [], 0.0
-    problem = _problem(values, plant, q, q_dot, where)
+    problem = _problem(values, plant, assumed, q, q_dot, where)
     if reference["start"] > 0.0 and not problem.rests:
         raise ScenarioError(
             "is later than the run's start, at which the load moves",
@@ -113,7 +119,12 @@ def pieces(
 
 
 def _problem(
-    values: dict[str, Any], plant: list[float], q: Array, q_dot: Array, where: str
+    values: dict[str, Any],
+    plant: list[float],
+    assumed: list[float],
+    q: Array,
+    q_dot: Array,
+    where: str,
 ) -> Problem:
     goal = np.array(values["goal"]["vehicle_position"])
     if max(map(abs, geometry.goal_mismatch(values["plant"], goal))) > 1e-6:
@@ -125,7 +136,7 @@ def _problem(
             permitted="y2 - y1 = plant.bar_length and z1 - l1 = z2 - l2",
             advice='mend the goal, or set reference.kind = "step"',
         )
-    gravity = values["plant"]["gravity"]
+    gravity = values["controller"]["assumed"]["gravity"]
     if gravity <= 0.0:
         raise ScenarioError(
             "lets no load hang",
@@ -145,7 +156,7 @@ def _problem(
     start[0, 2] = gravity * math.tan(lean)
     start[0, 3] = gravity * rate / math.cos(lean) ** 2
     start[np.abs(start) < _NOTHING] = 0.0
-    return Problem(values, where, plant, start, lean, rate)
+    return Problem(values, where, assumed, start, lean, rate)
 
 
 def _require_rest(problem: Problem) -> None:
@@ -214,12 +225,12 @@ def _antiswing(problem: Problem) -> tuple[list[Piece], float]:
 
 def _mode(problem: Problem) -> planning.Mode:
     goal = np.array(problem.values["goal"]["vehicle_position"])
-    return swing_mode.of_held_vehicles(problem.plant, goal)
+    return swing_mode.of_held_vehicles(problem.assumed, goal)
 
 
 def _pendulum(problem: Problem, mode: planning.Mode) -> Pendulum:
     """The one that swings as the load does below vehicles that are held."""
-    gravity = problem.values["plant"]["gravity"]
+    gravity = problem.values["controller"]["assumed"]["gravity"]
     return Pendulum(gravity / mode.frequency**2, gravity, 2.0 * mode.damping * mode.frequency)
 
 

@@ -1,6 +1,6 @@
 """The payload's way to its goal, as polynomials in time relative to the goal.
 
-A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^7, in m and rad.
+A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^9, in m and rad.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from multilift import splines
+from multilift import planning, splines
 from multilift.errors import MissingExtraError, ScenarioError
 
 Array = NDArray[np.float64]
@@ -34,7 +34,9 @@ def pieces(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
         MissingExtraError: without SciPy or Ruckig where the kind needs them.
     """
     kind = values["reference"]["kind"]
-    return _KINDS[kind](values, where)
+    way, end = _KINDS[kind](values, where)
+    unused = [0.0] * (planning.DEGREE - DEGREE)
+    return [(begin, [[*row, *unused] for row in rows]) for begin, rows in way], end
 
 
 def _offset(values: dict[str, Any]) -> Array:
