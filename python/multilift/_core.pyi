@@ -201,6 +201,9 @@ def spatial_run(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict
     One run: samples, metrics, audit, status, end time. `law` is a Python callable in place of the compiled one.
     """
 
+def spatial_recorded(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], flown: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], complete: bool) -> dict:
+    """A measured flight told as a run: samples, metrics, audit."""
+
 def spatial_fields() -> dict:
     """
     Tables of fields: (name, unit, range, shape, defaults, meaning) each; "n" in a shape is the number of vehicles.

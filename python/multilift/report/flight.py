@@ -46,7 +46,13 @@ def render(run: Run, figure: bytes) -> str:
         width=width,
         height=height,
         tables=[
-            ("Metrics", [(q, run.metrics[name]) for name, q in names.metrics.items()]),
+            (
+                "Metrics",
+                [
+                    *((q, run.metrics[name]) for name, q in names.metrics.items()),
+                    *run.beyond_metrics(),
+                ],
+            ),
             ("Energy audit", [(q, run.audit[name]) for name, q in names.audit.items()]),
             ("Residuals", [(q, run.residuals[name]) for name, q in names.residuals.items()]),
         ],

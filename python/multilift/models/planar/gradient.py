@@ -26,7 +26,9 @@ from multilift.models.planar.tables import (
 )
 
 #: Metrics without a derivative: they count integration steps, so that they stand still and jump.
-WITHOUT_DERIVATIVE = ("swing_settling_time", "position_settling_time", "rest_settling_time")
+WITHOUT_DERIVATIVE = (
+    "swing_settling_time", "position_settling_time", "combined_settling", "rest_settling_time",
+)  # fmt: skip
 
 #: Keys that cannot be differentiated along, with the reason.
 _REFUSED = {
