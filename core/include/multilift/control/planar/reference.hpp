@@ -52,7 +52,9 @@ class Reference {
     const Vec2<R> n = acceleration + p.gravity * up;
     const R size = sqrt(dot(n, n));
     const R inverse = one / size;
-    const Vec2<R> d = inverse * n;
+    // Divided, not scaled: straight up is exactly that, and a target at rest is the goal to the
+    // last bit.
+    const Vec2<R> d{n.y / size, n.z / size};
     const R growth = dot(d, jerk);  // of |n|
     const Vec2<R> d_dot = inverse * (jerk - growth * d);
     const Vec2<R> snap = derivative(4);
