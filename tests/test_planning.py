@@ -215,6 +215,19 @@ def test_no_plan_leaves_swing(name, kind):
 
 
 @pytest.mark.parametrize("law", ["energy_coupled", "pd"])
+def test_a_target_that_rests_is_the_papers_law_to_the_last_bit(law):
+    """The tracking law with constant places, under pushes, lag and noise."""
+    paper = ml.load("exp2").with_values({"plant.gravity": 3.7, "simulation.duration": 6.0})
+    moving = paper.with_values({"reference.kind": "flat"})
+    assert moving.moves_target()
+    step, tracked = ml.simulate(paper, law), ml.simulate(moving, law)
+    for column in ("y1", "z2", "theta1", "theta3", "u1", "u2", "u3", "u4"):
+        assert np.array_equal(step[column], tracked[column])
+    assert step.audit["actuation"] == tracked.audit["actuation"]
+    assert tracked.audit["reference"] == 0.0
+
+
+@pytest.mark.parametrize("law", ["energy_coupled", "pd"])
 @pytest.mark.parametrize("kind", ["flat", "antiswing"])
 def test_the_audit_closes_along_a_way(law, kind):
     scenario = ideal("exp1_1", kind=kind, **LIMITS).with_values(
