@@ -58,7 +58,11 @@ def nominal(name: str, rng: np.random.Generator) -> tuple[float, str]:
     best: tuple[float, float, str] = (np.inf, np.inf, "")
     for duration in np.arange(1.9, 3.0, 0.02):
         flat = scenario.with_values(
-            {"reference.kind": "flat", "reference.duration": float(duration), "reference.lead": 0.005}
+            {
+                "reference.kind": "flat",
+                "reference.duration": float(duration),
+                "reference.lead": 0.005,
+            }
         )
         # The forces that the way takes leave a law with any gains little room: a few draws do.
         for scale_p, scale_d, k_lambda, _ in drawn(rng, 8, scenario):
@@ -133,7 +137,9 @@ def robust(name: str, duration: float, rng: np.random.Generator) -> None:
             found: tuple[float, Any, Any] = (np.inf, None, None)
             for choice in choices:
                 scenario = base.with_values(choice)
-                quantile = np.quantile(settled(scenario, tried, train), 0.95, axis=1, method="higher")
+                quantile = np.quantile(
+                    settled(scenario, tried, train), 0.95, axis=1, method="higher"
+                )
                 k = int(np.argmin(quantile))
                 if quantile[k] < found[0]:
                     found = (quantile[k], scenario, tried[k])

@@ -35,7 +35,12 @@ class PlanarScenario(Scenario):
         checks.check_goal(values, where)
         checks.check_reference(values, where)
         self.path = references.pieces(
-            values, self.plant_values(), self.assumed_values(), self.q_start, self.q_dot_start, where
+            values,
+            self.plant_values(),
+            self.assumed_values(),
+            self.q_start,
+            self.q_dot_start,
+            where,
         )
         linear.check_step(self, where)
         counts = validation.check_timing(self.model, values, where)
