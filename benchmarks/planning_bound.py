@@ -1,4 +1,4 @@
-"""How near planned moves come to the time-optimal ones, and what is left of it when numbers are wrong.
+"""How near planned moves come to the time-optimal ones, and how near with wrong numbers.
 
 python benchmarks/planning_bound.py
 
@@ -7,8 +7,8 @@ commands for the same move as a step, as for the bound. A flat move of each dura
 at random are flown; of those within the limit, and with less than 0.5 degree of swing after the
 move, the soonest settled counts.
 
-Then payload and cables are wrong by up to 25 % each, commands are late by 50 ms, and no law knows
-it; laws with and without a plan are tuned by the same draws of gains for the least 95 % quantile of
+Then payload and cables are wrong by up to 25 % each, commands are late by 50 ms. Laws
+know the nominal numbers, and plans the delay; laws with and without a plan are tuned by the same draws of gains for the least 95 % quantile of
 combined settling over some worlds, and judged over others. Forces are not limited there.
 """
 
@@ -149,7 +149,8 @@ def robust(name: str, duration: float, rng: np.random.Generator) -> None:
             times = settled(found[1], found[2][None], test)[0]
             middle, high = np.quantile(times, [0.5, 0.95], method="higher")
             print(f"  {law:14s} {kind:9s} median {middle:5.2f} s, 95 % {high:5.2f} s = "
-                  f"{high / BOUND[name]:.2f} bounds; gains {np.round(found[2], 2)}", flush=True)  # fmt: skip
+                  f"{high / BOUND[name]:.2f} bounds; gains {np.round(found[2], 2)}",
+                  flush=True)  # fmt: skip
 
 
 def main() -> None:
