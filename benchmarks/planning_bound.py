@@ -7,9 +7,10 @@ commands for the same move as a step, as for the bound. A flat move of each dura
 at random are flown; of those within the limit, and with less than 0.5 degree of swing after the
 move, the soonest settled counts.
 
-Then payload and cables are wrong by up to 25 % each, commands are late by 50 ms. Laws
-know the nominal numbers, and plans the delay; laws with and without a plan are tuned by the same draws of gains for the least 95 % quantile of
-combined settling over some worlds, and judged over others. Forces are not limited there.
+Then payload and cables are wrong by up to 25 % each and commands are late by 50 ms. Laws know the
+nominal numbers, and plans the delay. Laws with and without a plan are tuned by the same draws of
+gains for the least 95 % quantile of combined settling over some worlds, and judged over others.
+Forces are not limited there.
 """
 
 from __future__ import annotations
