@@ -165,8 +165,8 @@ void bind_planar_batch(nb::module_& m) {
         nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"), nb::arg("record_steps"),
         nb::arg("ideal"), nb::arg("metrics"), nb::arg("audit"), nb::arg("final_state"),
         nb::arg("end_time"), nb::arg("status"), nb::arg("culprit"), nb::arg("samples").none(),
-        nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"), nb::arg("ages"),
-        "Runs every row's world and fills the arrays. Releases the GIL.");
+        nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"),
+        nb::arg("ages"), "Runs every row's world and fills the arrays. Releases the GIL.");
 }
 
 }  // namespace multilift::bindings

@@ -200,7 +200,8 @@ void bind_planar_rollout(nb::module_& m) {
       .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("assumed_plant"), nb::arg("q"),
            nb::arg("q_dot"), nb::arg("goal"), nb::arg("pushes"), nb::arg("step"), nb::arg("steps"),
            nb::arg("control_steps"), nb::arg("record_steps"), nb::arg("actuators"),
-           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"), nb::arg("pieces"), nb::arg("path_end"), nb::arg("ages"));
+           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"), nb::arg("pieces"),
+           nb::arg("path_end"), nb::arg("ages"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
         "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),

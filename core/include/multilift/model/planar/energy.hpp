@@ -166,11 +166,12 @@ struct Powers {
   }
 
   friend Powers operator+(const Powers& a, const Powers& b) {
-    return {a.dissipation + b.dissipation, a.internal + b.internal, a.push + b.push,
-            a.actuation + b.actuation, a.adaptation + b.adaptation, a.reference + b.reference};
+    return {a.dissipation + b.dissipation, a.internal + b.internal,     a.push + b.push,
+            a.actuation + b.actuation,     a.adaptation + b.adaptation, a.reference + b.reference};
   }
   friend Powers operator*(const R& k, const Powers& a) {
-    return {k * a.dissipation, k * a.internal, k * a.push, k * a.actuation, k * a.adaptation, k * a.reference};
+    return {k * a.dissipation, k * a.internal,   k * a.push,
+            k * a.actuation,   k * a.adaptation, k * a.reference};
   }
   R total() const { return dissipation + internal + push + actuation + adaptation + reference; }
 };
