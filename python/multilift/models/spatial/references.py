@@ -1,23 +1,23 @@
 """The payload's way to its goal, as polynomials in time relative to the goal.
 
-A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^7, in m and rad.
+A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^9, in m and rad.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from multilift import planning, splines
 from multilift.errors import MissingExtraError, ScenarioError
 
 Array = NDArray[np.float64]
 Piece = tuple[float, list[list[float]]]
 
-DEGREE = 7
+DEGREE = splines.DEGREE
 
 #: From 0 to 1 with velocity, acceleration and jerk zero at both ends: the least snap there is.
 _REST_TO_REST = np.array([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])
@@ -34,7 +34,9 @@ def pieces(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
         MissingExtraError: without SciPy or Ruckig where the kind needs them.
     """
     kind = values["reference"]["kind"]
-    return _KINDS[kind](values, where)
+    way, end = _KINDS[kind](values, where)
+    unused = [0.0] * (planning.DEGREE - DEGREE)
+    return [(begin, [[*row, *unused] for row in rows]) for begin, rows in way], end
 
 
 def _offset(values: dict[str, Any]) -> Array:
@@ -179,19 +181,8 @@ def _figure_eight(angle: Array, length: float) -> Array:
 
 def _spline(values: dict[str, Any], time: Array, way: Array) -> tuple[list[Piece], float]:
     """Through all points with the least snap, at rest at both ends: a spline of degree 7."""
-    try:
-        from scipy.interpolate import make_interp_spline  # noqa: PLC0415
-    except ImportError:
-        raise MissingExtraError("scipy", "plan", "this reference") from None
-    still = [(order, np.zeros(4)) for order in (1, 2, 3)]
-    spline = make_interp_spline(time, way, k=DEGREE, bc_type=(still, still))
     start = values["reference"]["start"]
-    begins = np.unique(spline.t)[:-1]
-    # The Taylor series at the beginning of each piece, which is all of it.
-    rows = np.array([spline(begins, nu=k) / math.factorial(k) for k in range(DEGREE + 1)])
-    result: list[Piece] = [
-        (start + float(begin), rows[:, k].T.tolist()) for k, begin in enumerate(begins)
-    ]
+    result = [(start + begin, rows) for begin, rows in splines.least_snap(time, way)]
     return _wait(values, result), start + float(time[-1])
 
 
