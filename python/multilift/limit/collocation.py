@@ -186,7 +186,7 @@ def refine(
         LimitError: as `solve`, on the first mesh.
     """
     mesh = Mesh.even(intervals, cells)
-    # The swing's squares alone are nearly flat about many moves: begin at one that is well conditioned.
+    # The swing's squares alone are nearly flat about many moves: begin at one that is not.
     guess = solve(move, mesh, least="effort", time=time) if least == "swing" else None
     solutions = [solve(move, mesh, least=least, time=time, guess=guess)]
     while len(solutions) < levels:
