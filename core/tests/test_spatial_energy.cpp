@@ -251,7 +251,7 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
   // Twice, so that the estimate has moved once.
   for (int turn = 0; turn < 2; ++turn) {
     const flat::Storage<double> of_plane(b.planar, planar_law.storage_gains(), goal);
-    const auto shared = of_plane.formation(b.planar, b.start, pose);
+    const auto shared = of_plane.formation(b.planar, b.start, pose, nullptr);
     const double planar_storage = of_plane.motion_energy(b.planar, b.start, pose, shared) +
                                   of_plane.estimation_energy(b.planar, planar_law.d_hat());
     const Plant<double> plant(b.p);
