@@ -231,7 +231,8 @@ def fly(
     frame = _core.SpatialFrame(
         n=n, law="" if callback else law, quadrotors=quadrotors, rigid=True, ground=False,
         motion_capture=motion_capture is not None, rotors_running=True, autopilot_steps=1,
-        pieces=[(t, [padded(row) for row in rows]) for t, rows in pieces], path_end=path_end, pushes=[], happenings=[], step=step,
+        pieces=[(t, [padded(row) for row in rows]) for t, rows in pieces],
+        path_end=path_end, pushes=[], happenings=[], step=step,
         steps=round(seconds / step), control_steps=control_steps, record_steps=record_steps,
     )  # fmt: skip
     row = np.concatenate([np.ravel(np.asarray(part, dtype=float)) for part in parts])

@@ -264,8 +264,8 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
     CHECK_CLOSE(storage_function(plant, storage_gains, coupling, b.x, target, d_hat),
                 planar_storage, 1e-12 * size);
     const auto w = powers_of(plant, storage_gains, coupling, b.x, r.now, r.outside, target, d_hat);
-    const auto planar_w =
-        of_plane.powers(b.planar, b.start, pose, shared, r.loads, r.planar, planar_law.d_hat());
+    const auto planar_w = of_plane.powers(b.planar, b.start, pose, shared, r.loads, r.planar,
+                                          planar_law.d_hat(), nullptr);
     const double power = 1.0 + std::fabs(planar_w.push) + std::fabs(planar_w.internal) +
                          std::fabs(planar_w.dissipation) + std::fabs(planar_w.actuation);
     CHECK_CLOSE(w.dissipation + w.payload_drag, planar_w.dissipation, 1e-11 * power);
