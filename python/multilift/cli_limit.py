@@ -15,6 +15,7 @@ import multilift as ml
 from multilift import limit as job
 from multilift import storage
 from multilift.errors import ScenarioError
+from multilift.limit import output as files
 from multilift.models.planar.scenario import planar_only
 from multilift.options import ForceOption, SetOption, load_changed
 
@@ -77,8 +78,6 @@ def limit(
     runs = [ml.simulate(given, law) for law in laws]
     _print(bound, runs)
     if output is not None:
-        from multilift.limit import output as files  # noqa: PLC0415 - loads matplotlib
-
         files.save(bound, output, runs, force=force)
         _out.print(f"\nWritten to [bold]{escape(str(output))}[/]; replay it with: multilift view "
                    f"{escape(str(output / 'run'))}", soft_wrap=True)  # fmt: skip

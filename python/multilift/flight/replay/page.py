@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import io
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 from matplotlib import rc_context
@@ -24,17 +21,11 @@ from multilift.plot import RC
 from multilift.quantities import Quantity
 from multilift.replay import scene_of
 from multilift.replay.page import render as render_scene
+from multilift.report import html
 from multilift.report.text import inline, number
 
 #: Ours and the autopilot's.
 _OURS, _THEIRS = "#0072B2", "#D55E00"
-
-
-@dataclass(frozen=True)
-class _Image:
-    base64: str
-    width: int
-    height: int
 
 
 @dataclass(frozen=True)
@@ -53,11 +44,7 @@ def render(replay: Replay, whole: SpatialRun) -> str:
         replay: what to show.
         whole: the flight from its first tick to its last.
     """
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["inline"] = inline
-    environment.filters["value"] = partial(number, digits=3)
+    environment = html.environment({"inline": inline, "value": partial(number, digits=3)})
     flight, simulation = replay.flight, replay.simulation
     names = flight.quantities
     tables = [
@@ -108,8 +95,7 @@ def _figure(compared: Compared) -> Figure:
     return figure
 
 
-def _image(figure: Figure) -> _Image:
+def _image(figure: Figure) -> html.Image:
     file = io.BytesIO()
     figure.savefig(file, format="png")
-    png = file.getvalue()
-    return _Image(base64.b64encode(png).decode("ascii"), *struct.unpack(">II", png[16:24]))
+    return html.image(file.getvalue())

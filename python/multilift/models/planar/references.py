@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from multilift import _core, planning, splines
 from multilift.errors import ScenarioError
 from multilift.models.planar import geometry, swing_mode
+from multilift.models.references import waypoints
 from multilift.planning import Limits, Pendulum, State
+from multilift.splines import Piece
 
 Array = NDArray[np.float64]
-Piece = tuple[float, list[list[float]]]
-
 #: Positions and rates below this count as none: round-off of starts that are worked out.
 _NOTHING = 1e-9
 
@@ -63,18 +63,6 @@ class Problem:
         """Whether nothing moves at the start."""
         return bool(np.abs(self.start[:, 1:]).max() < _NOTHING)
 
-    def needed(self, key: str) -> Any:
-        """A value that this kind cannot do without."""
-        value = self.reference[key]
-        if value is None or value == []:
-            raise ScenarioError(
-                "is missing",
-                where=self.where,
-                key=f"reference.{key}",
-                advice=f"a reference of kind {self.reference['kind']!r} needs it",
-            )
-        return value
-
 
 def pieces(
     values: dict[str, Any],
@@ -113,9 +101,8 @@ def pieces(
     way, end = _KINDS[reference["kind"]](problem)
     if reference["start"] == 0.0:
         return way, end
-    still = [[row[0], *[0.0] * planning.DEGREE] for row in way[0][1]]
     later = [(reference["start"] + begin, rows) for begin, rows in way]
-    return [(0.0, still), *later], reference["start"] + end
+    return splines.wait(later), reference["start"] + end
 
 
 def _problem(
@@ -235,33 +222,10 @@ def _pendulum(problem: Problem, mode: planning.Mode) -> Pendulum:
 
 
 def _waypoints(problem: Problem) -> tuple[list[Piece], float]:
-    times = np.array(problem.needed("times"))
-    points = np.array(problem.needed("points"))
-    if points.size != 2 * times.size or (np.diff(times, prepend=0.0) <= 0).any():
-        raise ScenarioError(
-            f"has {points.size} numbers for {times.size} times",
-            where=problem.where,
-            key="reference.points",
-            value=points.tolist(),
-            permitted="two numbers, y and z, for each of the ascending times above 0",
-        )
     goal = np.array(problem.values["goal"]["vehicle_position"][0])
-    way = np.vstack([problem.start[:, 0], points.reshape(-1, 2) - goal])
-    if np.abs(way[-1]).max() > _NOTHING:
-        raise ScenarioError(
-            "does not end at the goal",
-            where=problem.where,
-            key="reference.points",
-            value=points[-2:].tolist(),
-            permitted=f"the last two numbers: {goal.tolist()}",
-        )
+    time, way = waypoints(problem.reference, problem.start[:, 0], goal, "y and z", problem.where)
     _require_rest(problem)
-    time = np.append(0.0, times)
-    rows = [
-        (begin, [[*row, 0.0, 0.0] for row in coordinates])
-        for begin, coordinates in splines.least_snap(time, way)
-    ]
-    return rows, float(time[-1])
+    return splines.least_snap(time, way), float(time[-1])
 
 
 _KINDS: dict[str, Callable[[Problem], tuple[list[Piece], float]]] = {

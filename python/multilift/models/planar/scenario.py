@@ -10,6 +10,7 @@ from multilift.models.planar import checks, geometry, linear, references, tables
 from multilift.models.planar.geometry import Vector
 from multilift.scenario import Scenario
 from multilift.schema import flatten
+from multilift.splines import Piece
 
 
 class PlanarScenario(Scenario):
@@ -23,7 +24,7 @@ class PlanarScenario(Scenario):
 
     q_start: Vector
     q_dot_start: Vector
-    path: tuple[list[references.Piece], float]
+    path: tuple[list[Piece], float]
 
     def _check(self) -> None:
         values, where = self.values, self.where
