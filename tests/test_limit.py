@@ -276,7 +276,7 @@ BAD = {
     "a time for the least": ("sim1", {}, {"time": 2.0}, "leave it out"),
     "no duration": ("sim1", {}, {"least": "effort", "time": -1.0}, "positive"),
     "too short": ("sim2", {}, {"least": "effort", "time": 0.5}, "--time"),
-    "too weak to hover": ("exp1_1", {"actuators.thrust_max": 15.0}, {}, "greatest thrust"),
+    "too weak to hover": ("exp1_1", {"actuators.thrust_max": 15.0}, {}, "hold a vehicle"),
     "one force": ("sim1", {}, {"limits": limit.Limits(force=(1.0,))}, "2 positive numbers"),
     "no speed": ("sim1", {}, {"limits": limit.Limits(speed=0.0)}, "--speed"),
     "a swing of a right angle": ("sim1", {}, {"limits": limit.Limits(swing=1.6)}, "90 deg"),

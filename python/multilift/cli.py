@@ -1,4 +1,4 @@
-"""The command line: ``multilift run | view | study | compare | sitl | reproduce | check | ...``."""
+"""The command line: ``multilift run | view | study | compare | fly | twin | sitl | ...``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from rich.table import Table
 import multilift as ml
 from multilift import library, storage
 from multilift.cli_compare import compare
+from multilift.cli_fly import fly, twin
 from multilift.cli_limit import limit
+from multilift.cli_replay import replay
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
@@ -115,6 +117,21 @@ app.command(
     epilog="Examples:  multilift sitl --px4 ~/PX4-Autopilot  |  multilift sitl --ardupilot "
     "~/ardupilot --speed 0 --logs out/sitl  |  multilift sitl my.toml --px4 PATH --no-vision"
 )(sitl)
+
+app.command(
+    epilog="Examples:  multilift fly  |  multilift fly LAB.toml --log first.mcap. Keys: Enter go, "
+    "Space hold, l land all, k kill (asks), q land and leave."
+)(fly)
+
+app.command(
+    epilog="Examples:  multilift twin  |  multilift twin LAB.toml --speed 2  |  "
+    "multilift twin --yes"
+)(twin)
+
+app.command(
+    epilog="Examples:  multilift replay flight.mcap  |  multilift replay flight.mcap -o out/flight "
+    "--ulog left.ulg --ulog right.ulg"
+)(replay)
 
 
 @app.command(

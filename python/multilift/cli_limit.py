@@ -15,6 +15,7 @@ import multilift as ml
 from multilift import limit as job
 from multilift import storage
 from multilift.errors import ScenarioError
+from multilift.limit import output as files
 from multilift.models.planar.scenario import planar_only
 from multilift.options import ForceOption, SetOption, load_changed
 
@@ -73,11 +74,10 @@ def limit(
         given = after_push(planar_only(given, "--push"), push)
     wanted = job.Limits(_forces(forces, given), speed, math.radians(swing), tension)
     bound = job.find(given, wanted, least=least, time=time, intervals=intervals)
-    runs = [ml.simulate(given, law) for law in beside or [None]]
+    laws: list[str | None] = [*beside] if beside else [None]
+    runs = [ml.simulate(given, law) for law in laws]
     _print(bound, runs)
     if output is not None:
-        from multilift.limit import output as files  # noqa: PLC0415 - loads matplotlib
-
         files.save(bound, output, runs, force=force)
         _out.print(f"\nWritten to [bold]{escape(str(output))}[/]; replay it with: multilift view "
                    f"{escape(str(output / 'run'))}", soft_wrap=True)  # fmt: skip
@@ -100,12 +100,17 @@ def _forces(text: str, scenario: ml.Scenario) -> tuple[float, ...] | None:
 def _print(bound: job.Bound, runs: list[ml.Run]) -> None:
     last = bound.solutions[-1]
     unit = {"time": "s", "effort": "N^2 s", "swing": "rad^2 s"}[bound.least]
-    axes = " x ".join(f"{f:.3g}" for f in bound.limits.force or ())
+    force = [f for f in bound.limits.force or () if math.isfinite(f)]
+    axes = " x ".join(f"{f:.3g}" for f in force)
     _out.print(f"[bold]{escape(bound.scenario.title)}[/]: least {bound.least}", highlight=False)
     _out.print(
         f"{last.objective:.4g} {unit}"
         + ("" if bound.least == "time" else f" in {bound.time:.4g} s")
-        + f", with forces up to {axes} N along the axes\n",
+        + (
+            f", with forces up to {axes} N along the axes\n"
+            if force
+            else ", within the scenario's limits of thrust and tilt\n"
+        ),
         highlight=False,
     )
     table = Table("mesh", f"least {bound.least} ({unit})", "iterations", box=None,

@@ -15,7 +15,7 @@ from multilift.limit import collocation
 from multilift.limit.bounds import Limits
 from multilift.limit.collocation import Solution
 from multilift.limit.errors import LimitError
-from multilift.limit.move import Move, Vector
+from multilift.limit.move import Move
 from multilift.run import Run, finite
 from multilift.scenario import Scenario
 from multilift.simulate import simulate
@@ -195,9 +195,10 @@ def fly(
     middles = (np.arange(moving) + 0.5) / moving
     inputs = solution.inputs[solution.mesh.owner(middles)]
 
-    def law(measured: Any) -> Vector:
+    def law(measured: Any) -> list[float]:
         k = round(measured.t / step)
-        return inputs[k] if k < moving else move.input_goal
+        force: list[float] = (inputs[k] if k < moving else move.input_goal).tolist()
+        return force
 
     run = simulate(ideal, PythonLaw(f"least_{least}", TITLES[least], lambda _: law))
     if not run.finished:

@@ -24,6 +24,8 @@ DEGREE = 3
 #: Weight of the inputs' mean square, in parts of their scales, beside what is asked for. What the
 #: objective leaves open, such as the climb while the swing decides the time, is then smooth.
 REST_OF_EFFORT = 1e-4
+#: Of a load while it is carried, rad: scale of the swing's squares.
+SWING = 0.1
 #: A move longer than this many guesses is not looked for.
 LONGEST = 20.0
 #: IPOPT's, where the search begins afresh; the second is tried where the first does not converge.
@@ -123,14 +125,14 @@ def solve(
     effort = ca.dot(ca.repmat(width, m, 1), inputs**2)
     mean_square = ca.dot(ca.repmat(ca.DM(mesh.fractions).T, m, 1), held**2) / m
     wanted = {"time": total, "effort": effort, "swing": swing}[least]
-    size = {"time": move.time_guess, "effort": 1.0, "swing": 1.0}[least]
+    size = {"time": move.time_guess, "effort": 1.0, "swing": SWING**2 * (time or 1.0)}[least]
     blend = wanted / size if least == "effort" else wanted / size + REST_OF_EFFORT * mean_square
 
     unknowns = ca.veccat(total, edges, *inner, held)
     begin = _guess(move, mesh, guess, roots, time)
     low, high = _bounds(move, mesh, time)
     problem = {"x": unknowns, "f": blend, "g": ca.vertcat(*constraints)}
-    for tried in FRESH if guess is None else WARM:
+    for tried in FRESH if guess is None else (*WARM, *FRESH):
         options = {"ipopt": {**COMMON, **tried}, "print_time": False}
         solver = ca.nlpsol("limit", "ipopt", problem, options)
         found = solver(
@@ -184,7 +186,9 @@ def refine(
         LimitError: as `solve`, on the first mesh.
     """
     mesh = Mesh.even(intervals, cells)
-    solutions = [solve(move, mesh, least=least, time=time)]
+    # The swing's squares alone are nearly flat about many moves: begin at one that is not.
+    guess = solve(move, mesh, least="effort", time=time) if least == "swing" else None
+    solutions = [solve(move, mesh, least=least, time=time, guess=guess)]
     while len(solutions) < levels:
         last = solutions[-1]
         # The whole first mesh is halved once: without a jump, too, an answer is checked by another.

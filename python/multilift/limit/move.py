@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -109,3 +109,15 @@ class Move:
                     f"{where}: no move: what holds the load at rest at the {end} exceeds the limit "
                     f"of {broken[0]}\n  what to do: widen that limit"
                 )
+
+
+def time_guess(plant: Mapping[str, Any], way: Vector) -> float:
+    """A swing's period, or how long a quarter of the weight takes for the way, s.
+
+    Args:
+        plant: its table.
+        way: from start to goal along each axis, m.
+    """
+    period = 2 * np.pi * np.sqrt(max(plant["cable_length"]) / plant["gravity"])
+    farthest = float(np.abs(way).max())
+    return float(max(period, 2.0 * np.sqrt(farthest / (0.25 * plant["gravity"]))))

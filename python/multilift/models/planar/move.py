@@ -14,7 +14,7 @@ from multilift import _core
 from multilift.errors import ScenarioError
 from multilift.limit.bounds import Limits
 from multilift.limit.errors import casadi
-from multilift.limit.move import Instant, Move, Vector
+from multilift.limit.move import Instant, Move, Vector, time_guess
 from multilift.models.planar import geometry
 from multilift.models.planar.run import PlanarRun
 from multilift.models.planar.scenario import PlanarScenario, planar_only
@@ -164,7 +164,7 @@ def move(scenario: PlanarScenario, limits: Limits) -> Move:
         lower=np.array([b[0] for b in bounds]),
         upper=np.array([b[1] for b in bounds]),
         limit_names=tuple(b[2] for b in bounds),
-        time_guess=_time_guess(plant, ends, shares),
+        time_guess=time_guess(plant, ends[1][0][:2] - ends[0][0][:2]),
     )
     made.check_rest(scenario.where)
     return made
@@ -232,13 +232,6 @@ def _holding(plant: dict[str, Any], q: Vector) -> Vector:
     linear = ca.Function("linear", [u], [ca.jacobian(residual, u), residual])
     matrix, offset = (np.array(x) for x in linear(np.zeros(4)))
     return np.asarray(np.linalg.lstsq(matrix, -offset.ravel(), rcond=None)[0])
-
-
-def _time_guess(plant: dict[str, Any], ends: list[tuple[Vector, Vector]], shares: Vector) -> float:
-    """A swing's period, or how long a quarter of the weight takes for the way."""
-    way = float(np.abs(ends[1][0][:2] - ends[0][0][:2]).max())
-    period = 2 * np.pi * np.sqrt(max(plant["cable_length"]) / plant["gravity"])
-    return max(period, 2.0 * float(np.sqrt(way / (0.25 * plant["gravity"]))))
 
 
 def arrival(run: PlanarRun, row: int) -> dict[str, float]:

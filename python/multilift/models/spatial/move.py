@@ -15,7 +15,7 @@ import numpy as np
 from multilift.errors import ScenarioError
 from multilift.limit.bounds import Limits
 from multilift.limit.errors import casadi
-from multilift.limit.move import Instant, Move, Vector
+from multilift.limit.move import Instant, Move, Vector, time_guess
 from multilift.models.spatial.run import SpatialRun, rotation_matrices
 from multilift.models.spatial.scenario import SpatialScenario
 
@@ -94,7 +94,8 @@ def _effective_inertia(plant: dict[str, Any]) -> Vector:
     arms = np.array(plant["attachment"]) ** 2
     across = arms.sum(axis=1, keepdims=True) - arms
     masses = np.array(plant["vehicle_mass"])
-    return np.array(plant["payload_inertia"]) + masses @ across
+    inertia: Vector = np.array(plant["payload_inertia"]) + masses @ across
+    return inertia
 
 
 def has_attitude(plant: dict[str, Any]) -> bool:
@@ -234,7 +235,7 @@ def move(scenario: SpatialScenario, limits: Limits) -> Move:
         lower=np.array([b[0] for b in bounds]),
         upper=np.array([b[1] for b in bounds]),
         limit_names=tuple(b[2] for b in bounds),
-        time_guess=_time_guess(plant, ends),
+        time_guess=time_guess(plant, ends[1][:3] - ends[0][:3]),
     )
     made.check_rest(scenario.where)
     return made
@@ -316,10 +317,3 @@ def _coordinates(plant: dict[str, Any], place: Vector, yaw: float, rest: Vector)
 def _about_z(yaw: float) -> Vector:
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _time_guess(plant: dict[str, Any], ends: list[Vector]) -> float:
-    """A swing's period, or how long a quarter of the weight takes for the way."""
-    way = float(np.abs(ends[1][:3] - ends[0][:3]).max())
-    period = 2 * np.pi * np.sqrt(max(plant["cable_length"]) / plant["gravity"])
-    return max(period, 2.0 * float(np.sqrt(way / (0.25 * plant["gravity"]))))

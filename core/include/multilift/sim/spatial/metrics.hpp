@@ -46,6 +46,19 @@ MULTILIFT_INLINE R swing_of(const Sample<R, V>& s, const std::vector<Vec3<R>>& r
   return dot(turn, turn);
 }
 
+/// The cables' directions at rest, level frame; up where none is asked of one.
+template <Real R>
+std::vector<Vec3<R>> rest_directions(const Formation<R>& formation) {
+  std::vector<Vec3<R>> directions;
+  for (const Vec3<R>& force : formation.cable_force) {
+    const R size = norm(force);
+    const R zero(0.0);
+    directions.push_back(
+        select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force, {zero, zero, R(1.0)}));
+  }
+  return directions;
+}
+
 template <Real R>
 class Metrics {
  public:
