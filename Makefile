@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
-  $(shell find core/include bindings python scenarios studies vehicles -type f -not -name '*.pyc')
+  $(shell find core/include bindings python scenarios studies tunings vehicles -type f -not -name '*.pyc')
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
 .PHONY: help reproduce test test-ray test-drake fuzz lint format bench bench-growth \

@@ -20,6 +20,7 @@ from multilift.cli_fly import fly, twin
 from multilift.cli_limit import limit
 from multilift.cli_replay import replay
 from multilift.cli_sitl import sitl
+from multilift.cli_tune import tune
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
 from multilift.limit.output import read_time
@@ -226,6 +227,12 @@ app.command(
     epilog="Examples:  multilift limit sim1  |  multilift limit exp1_1 -o out/limit --beside pd "
     "--beside energy_coupled  |  multilift limit sim2 --least swing --time 3 --forces 5,6"
 )(limit)
+
+app.command(
+    epilog="Examples:  multilift tune exp1_1 -o out/tuned  |  multilift tune sim1 -c pd -o out/pd "
+    "--bound out/limit  |  multilift tune sim1 --vary controller.k_lambda=0.1:3:log --minimise "
+    "peak_swing_1 --minimise combined_settling --front -o out/front"
+)(tune)
 
 app.command(
     epilog="Examples:  multilift compare -o out/compare  |  multilift compare uneven_four my.toml "

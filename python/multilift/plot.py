@@ -84,7 +84,14 @@ def line_styles(laws: Sequence[str]) -> dict[str, LineStyle]:
 
 
 def styles(runs: Sequence[Run]) -> list[LineStyle]:
-    """One style for each run, by its controller; a law of one's own goes by its title."""
+    """One style for each run, by its controller; a law of one's own goes by its title.
+
+    Runs of one law are told apart by their scenarios, whose titles then name them.
+    """
+    if len({run.controller for run in runs}) < len(runs):
+        titles = [run.scenario.title for run in runs]
+        told_apart = line_styles(titles)
+        return [replace(told_apart[t], label=t.replace("$", r"\$")) for t in titles]
     looks = line_styles([run.controller for run in runs])
     return [
         looks[run.controller]

@@ -222,6 +222,15 @@ def write_json(file: Path, content: Any) -> None:
     file.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
+def finite(node: Any) -> Any:
+    """A tree of numbers for JSON, which knows none that are not finite: these become null."""
+    if isinstance(node, dict):
+        return {k: finite(v) for k, v in node.items()}
+    if isinstance(node, (list, tuple)):
+        return [finite(v) for v in node]
+    return None if isinstance(node, float) and not math.isfinite(node) else node
+
+
 def write_parquet(run: Run, file: Path) -> None:
     """Writes the trajectory with each column's unit and meaning in its field metadata.
 
@@ -246,8 +255,3 @@ def write_parquet(run: Run, file: Path) -> None:
     )
     meta = {"scenario": run.scenario.name, "multilift": provenance.describe()["multilift"]}
     pq.write_table(pa.table(arrays, schema=pa.schema(fields, metadata=meta)), file)
-
-
-def finite(x: float) -> float | None:
-    """A number, or None where it is no finite one, for JSON."""
-    return x if math.isfinite(x) else None

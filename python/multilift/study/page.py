@@ -10,10 +10,11 @@ from markupsafe import Markup
 from multilift import provenance
 from multilift.report import html, law_styles
 from multilift.report.text import inline, listed, number
+from multilift.storage import write_whole
 from multilift.study import figures
 from multilift.study.figures import Drawing
 from multilift.study.statistics import Interval
-from multilift.study.store import Store, write_whole
+from multilift.study.store import Store
 from multilift.study.summary import PROBABILITIES, Summary, toml_inline
 from multilift.study.vary import Vary
 

@@ -11,9 +11,10 @@ from rich.console import Console
 
 from multilift import provenance
 from multilift.errors import MissingExtraError, MultiliftError
+from multilift.storage import write_whole
 from multilift.study.progress import Meter
 from multilift.study.spec import Study
-from multilift.study.store import open_store, write_whole
+from multilift.study.store import open_store
 from multilift.study.summary import Summary, summarise
 
 try:

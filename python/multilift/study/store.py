@@ -7,14 +7,11 @@ not at all, and what a failing disk has changed is found and made again.
 
 from __future__ import annotations
 
-import errno
-import fcntl
 import hashlib
 import json
 import os
 import re
 import shutil
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +22,7 @@ from numpy.typing import NDArray
 
 from multilift import provenance
 from multilift.errors import MissingExtraError, OutputError
+from multilift.storage import LOCK, as_output_error, held, write_whole
 from multilift.study.rows import Chunk
 from multilift.study.spec import Study
 
@@ -36,11 +34,7 @@ except ImportError:
 
 MANIFEST = "study.json"
 ROWS = "rows"
-_LOCK = ".lock"
 _PART = re.compile(r"chunk-(\d{7,})\.([0-9a-f]{32})\.parquet")
-
-#: How long to wait for a folder's lock, s: a process just killed may still be going down.
-_PATIENCE = 2.0
 
 #: What made the rows; a study is not continued by another version, which may round differently.
 SAME = ("multilift", "commit", "compiler", "machine", "isa")
@@ -149,7 +143,7 @@ def open_store(
     _check_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with _locked(folder):
+        with held(folder):
             if force:
                 _clear(folder)
             chunk = _begin(folder, study, chunk, default_chunk)
@@ -160,46 +154,11 @@ def open_store(
         raise as_output_error(error, folder) from error
 
 
-def write_whole(file: Path, content: bytes | memoryview) -> None:
-    """Writes a file so that it is there complete or not at all, also after a power cut.
-
-    Raises:
-        OutputError: if it cannot be written.
-    """
-    draft = file.with_name(f".tmp-{os.getpid()}-{file.name[:80]}")
-    try:
-        with draft.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        draft.replace(file)
-        _sync_folder(file.parent)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise as_output_error(error, file) from error
-
-
-def as_output_error(error: OSError, place: Path) -> OutputError:
-    """An error of the operating system as one of ours, with what to do."""
-    if isinstance(error, OutputError):
-        return error
-    if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return OutputError(
-            f"{place} cannot be written: the disk is full\n"
-            "  what to do: free some space and give the same command again; finished chunks are "
-            "kept and the study goes on behind them"
-        )
-    return OutputError(
-        f"{place} cannot be written: {error}\n"
-        "  what to do: mend that and give the same command again; finished chunks are kept"
-    )
-
-
 def _check_folder(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder} is a file, not a folder\n  what to do: choose another")
     if folder.exists() and not (folder / MANIFEST).is_file():
-        left = [f.name for f in folder.iterdir() if f.name not in (_LOCK, ROWS)
+        left = [f.name for f in folder.iterdir() if f.name not in (LOCK, ROWS)
                 and not f.name.startswith(".tmp-")]  # fmt: skip
         rows = list((folder / ROWS).iterdir()) if (folder / ROWS).is_dir() else []
         if left or rows:
@@ -214,29 +173,10 @@ def _check_folder(folder: Path) -> None:
         raise OutputError(f"{folder} cannot be made: {parent} is not a folder one may write to")
 
 
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Holds the folder; the system lets go when the process ends, however it ends."""
-    with (folder / _LOCK).open("a") as stream:
-        until = time.monotonic() + _PATIENCE
-        while True:
-            try:
-                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > until:
-                    raise OutputError(
-                        f"{folder} is being written by another process\n"
-                        "  what to do: wait for it, or choose another folder"
-                    ) from None
-                time.sleep(0.02)
-        yield
-
-
 def _clear(folder: Path) -> None:
     """Removes everything but the lock; the manifest last, which says that the folder is ours."""
     for entry in sorted(folder.iterdir(), key=lambda e: e.name == MANIFEST):
-        if entry.name == _LOCK:
+        if entry.name == LOCK:
             continue
         if entry.is_dir() and not entry.is_symlink():
             shutil.rmtree(entry)
@@ -299,11 +239,3 @@ def _file_checksum(file: Path) -> str:
         while block := stream.read(1 << 20):
             digest.update(block)
     return digest.hexdigest()
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

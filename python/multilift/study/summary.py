@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from multilift.run import finite
 from multilift.study.draws import draw
 from multilift.study.rows import overrides
 from multilift.study.spec import Criterion, Study
@@ -104,7 +105,7 @@ class Summary:
                                       for n, (i, c) in p.metrics.items()}}
             for p in self.pairs
         ]  # fmt: skip
-        content: dict[str, Any] = _finite({
+        content: dict[str, Any] = finite({
             "study": study.name, "worlds": study.worlds, "cells": study.cells,
             "count": study.count, "seed": study.seed, "method": study.method,
             "success": [c.sentence() for c in study.success], "quantiles_at": PROBABILITIES,
@@ -244,11 +245,3 @@ def _pair(
     neither = study.worlds - both - only_a - only_b
     return Pair(study.controllers[a], study.controllers[b], both, only_a, only_b, neither,
                 paired_share(only_a, only_b, both + neither), metrics)  # fmt: skip
-
-
-def _finite(node: Any) -> Any:
-    if isinstance(node, dict):
-        return {k: _finite(v) for k, v in node.items()}
-    if isinstance(node, (list, tuple)):
-        return [_finite(v) for v in node]
-    return None if isinstance(node, float) and not math.isfinite(node) else node

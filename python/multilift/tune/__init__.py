@@ -2,13 +2,13 @@
 
 A tuning says what varies (`space`), what makes a set of numbers better than another (`goals`) and
 how sets are chosen (`strategies`); `search` flies them and remembers every one, so that it goes on
-where it was killed::
+where it was killed; `judge` says what it was worth::
 
     from multilift import tune
     from multilift.tune.run import run
 
     result = run(tune.load("settle", scenario="sim1"), "out/tuned")
-    print(result.best.numbers)
+    print(result.after.numbers)
 """
 
 from multilift.tune.goals import Constraint, Goal, Objective

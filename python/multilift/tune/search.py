@@ -11,20 +11,24 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from multilift import simulate_batch
 from multilift.errors import OutputError
+from multilift.storage import as_output_error
+from multilift.study.spec import Study
 from multilift.study.vary import Array
 from multilift.tune.goals import not_dominated
-from multilift.tune.spec import Tuning
+from multilift.tune.spec import Tuning, worlds_of
 from multilift.tune.strategies import Strategy, descents, front
 
 #: The file of generations.
 FILE = "generations.jsonl"
+
+_AGAIN = "\n  what to do: choose another folder, or begin again with --force"
 
 
 @dataclass(frozen=True)
@@ -45,14 +49,21 @@ class Found:
 
     @property
     def best(self) -> int:
-        """Which is the best; the first of equals."""
-        return int(np.lexsort(self.tuning.goal.order(self.figures).T[::-1])[0])
+        """Which is the best, the first of equals; of a front, the even compromise."""
+        goal = self.tuning.goal
+        scales = None
+        if goal.combine == "front" and len(self.front()):
+            known = self.figures[self.front(), : len(goal.objectives)]
+            ideal, worst = known.min(axis=0), known.max(axis=0)
+            scales = (np.ones(known.shape[1]), ideal, np.where(worst > ideal, worst - ideal, 1.0))
+        return int(np.lexsort(goal.order(self.figures, scales).T[::-1])[0])
 
     def front(self) -> NDArray[np.intp]:
         """Those that keep the constraints and to which none is better in every objective."""
         goal = self.tuning.goal
         values = self.figures[:, : len(goal.objectives)]
-        kept = np.flatnonzero(np.isfinite(values).all(axis=1) & (goal.violations(self.figures) == 0))
+        allowed = np.isfinite(values).all(axis=1) & (goal.violations(self.figures) == 0)
+        kept = np.flatnonzero(allowed)
         return np.asarray(kept[not_dominated(values[kept])], dtype=np.intp)
 
     def numbers(self, which: int) -> dict[str, float]:
@@ -67,20 +78,30 @@ class Found:
         return {o.metric: float(x) for o, x in zip(goal.objectives, rows, strict=True)}
 
 
-def fly(tuning: Tuning, points: Array, threads: int | None = None) -> Array:
+def fly(
+    tuning: Tuning,
+    points: Array | None,
+    threads: int | None = None,
+    *,
+    over: Study | None = None,
+) -> Array:
     """The figures of sets of numbers, each flown in every world of the tuning.
 
     Args:
         tuning: scenario, worlds and goal.
-        points: of the unit cube, shape (N, dimensions).
+        points: of the unit cube, shape (N, dimensions); None for the scenario as it is.
         threads: of the batch engine; its own choice if None.
+        over: other worlds than the tuning's.
     """
-    own = tuning.space.overrides(tuning.scenario, tuning.space.numbers(points))
-    drawn = tuning.world_numbers()
-    worlds = tuning.worlds
-    overrides = {key: np.repeat(x, worlds, axis=0) for key, x in own.items()}
-    overrides |= {key: np.concatenate([x] * len(points)) for key, x in drawn.items()}
-    batch = simulate_batch(tuning.flown, overrides, count=len(points) * worlds, threads=threads)
+    study = over or tuning.over
+    drawn, worlds = worlds_of(study, tuning.scenario.law)
+    count = 1 if points is None else len(points)
+    overrides = {key: np.concatenate([x] * count) for key, x in drawn.items()}
+    if points is not None:
+        own = tuning.space.overrides(tuning.scenario, tuning.space.numbers(points))
+        overrides |= {key: np.repeat(x, worlds, axis=0) for key, x in own.items()}
+    flown = tuning.scenario if study is None else study.scenario
+    batch = simulate_batch(flown, overrides, count=count * worlds, threads=threads)
     return tuning.goal.figures(batch, worlds)
 
 
@@ -101,33 +122,28 @@ def search(
 
     Raises:
         MissingExtraError: without cma.
-        OutputError: if the file holds other generations, or cannot be written.
+        OutputError: if the file holds another search's generations, or cannot be written.
     """
-    kept = _read(file, tuning)
+    kept, complete = _read(file, tuning)
     points = np.zeros((0, tuning.space.dimensions))
-    figures = np.zeros((0, len(tuning.goal.objectives) + len(tuning.goal.constraints) + 2))
+    figures = np.zeros((0, _columns(tuning)))
     replayed = 0
     strategy = _strategy(tuning)
-    with _opened(file, kept) as stream:
+    with _behind(file, complete) as stream:
         asked = next(strategy, None)
         earlier: Iterator[tuple[Array, Array]] = iter(kept)
         while asked is not None:
             known = next(earlier, None)
             if known is None:
                 told = fly(tuning, asked, threads)
-                line = json.dumps({"points": asked.tolist(), "figures": told.tolist()})
-                try:
-                    stream.write(line + "\n")
-                    stream.flush()
-                except OSError as error:
-                    raise OutputError(f"{file} cannot be written: {error}") from None
+                _write(stream, file, {"points": asked.tolist(), "figures": told.tolist()})
             elif np.array_equal(known[0], asked):
                 told = known[1]
                 replayed += len(told)
             else:
                 raise OutputError(
                     f"{file} holds a search that chose other numbers, as by another version of "
-                    "its packages\n  what to do: choose another folder, or begin again with --force"
+                    f"its packages{_AGAIN}"
                 )
             points, figures = np.concatenate([points, asked]), np.concatenate([figures, told])
             if known is None and progress is not None:
@@ -145,34 +161,43 @@ def _strategy(tuning: Tuning) -> Strategy:
                   tuning.population, tuning.start())  # fmt: skip
 
 
-def _read(file: Path, tuning: Tuning) -> list[tuple[Array, Array]]:
-    """The complete generations of a file; a last line that was being written is left out."""
+def _columns(tuning: Tuning) -> int:
+    return len(tuning.goal.objectives) + len(tuning.goal.constraints) + 2
+
+
+def _read(file: Path, tuning: Tuning) -> tuple[list[tuple[Array, Array]], int]:
+    """The complete generations of a file, and their bytes; a line half written is left out."""
     try:
-        text = file.read_text(encoding="utf-8") if file.exists() else ""
-    except (OSError, UnicodeDecodeError) as error:
+        content = file.read_bytes() if file.exists() else b""
+    except OSError as error:
         raise OutputError(f"{file} cannot be read: {error}") from None
-    columns = len(tuning.goal.objectives) + len(tuning.goal.constraints) + 2
+    lines = content.split(b"\n")[:-1]
     result = []
-    for number, line in enumerate(text.split("\n")[:-1], start=1):
+    for number, line in enumerate(lines, start=1):
         try:
             kept = json.loads(line)
             points = np.array(kept["points"], dtype=float).reshape(-1, tuning.space.dimensions)
-            figures = np.array(kept["figures"], dtype=float).reshape(len(points), columns)
+            figures = np.array(kept["figures"], dtype=float).reshape(len(points), _columns(tuning))
         except (ValueError, KeyError, TypeError):
-            raise OutputError(
-                f"{file}, line {number}, is damaged\n  what to do: begin again with --force"
-            ) from None
+            raise OutputError(f"{file}, line {number}, is damaged{_AGAIN}") from None
         result.append((points, figures))
-    return result
+    return result, sum(len(line) + 1 for line in lines)
 
 
-def _opened(file: Path, kept: list[tuple[Array, Array]]) -> Any:
-    """The file to write behind its complete lines."""
+def _behind(file: Path, complete: int) -> BinaryIO:
+    """The file, to be written behind its complete lines, which are not touched."""
     try:
-        lines = file.read_bytes().split(b"\n")[: len(kept)] if kept else []
-        stream = file.open("w", encoding="utf-8")
-        stream.writelines(line.decode() + "\n" for line in lines)
+        stream = file.open("r+b" if file.exists() else "xb")
+        stream.truncate(complete)
+        stream.seek(complete)
+    except OSError as error:
+        raise as_output_error(error, file) from None
+    return stream
+
+
+def _write(stream: BinaryIO, file: Path, generation: dict[str, list[float]]) -> None:
+    try:
+        stream.write(json.dumps(generation).encode() + b"\n")
         stream.flush()
     except OSError as error:
-        raise OutputError(f"{file} cannot be written: {error}") from None
-    return stream
+        raise as_output_error(error, file) from None

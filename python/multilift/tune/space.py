@@ -28,15 +28,6 @@ class Space:
     varied: Sequence[Vary]
     digits: int | None = DIGITS
 
-    @classmethod
-    def of_ranges(cls, ranges: Mapping[str, tuple[float, float]]) -> Space:
-        """Numbers that set no keys themselves, uniform in their logarithms, not rounded."""
-        return cls(
-            [Vary(name, name, "", (), "set", "log_uniform", low=low, high=high)
-             for name, (low, high) in ranges.items()],
-            digits=None,
-        )  # fmt: skip
-
     @property
     def dimensions(self) -> int:
         """How many numbers."""
@@ -64,10 +55,19 @@ class Space:
         result: dict[str, Array] = {}
         for v in self.varied:
             result |= v.overrides(scenario, numbers[v.name])
+        if self.digits is not None:
+            # A factor's product has all the digits of a double: files are for people to read.
+            result = {key: _rounded(x, self.digits + 1) for key, x in result.items()}
         return result
 
     def _number(self, varied: Vary, share: NDArray[np.float64]) -> Array:
         x = transform(varied, np.asarray(share))
         if self.digits is not None:
-            x = np.array([float(f"{value:.{self.digits - 1}e}") for value in x])
+            x = _rounded(x, self.digits)
         return np.asarray(np.clip(x, varied.low, varied.high), dtype=float)
+
+
+def _rounded(x: Array, digits: int) -> Array:
+    """To significant digits, each the double nearest to its decimal number."""
+    flat = [float(f"{value:.{digits - 1}e}") for value in np.ravel(x)]
+    return np.reshape(np.array(flat, dtype=float), np.shape(x))

@@ -29,7 +29,10 @@ BUDGET = 4096
 POPULATION = 48
 
 _KEYS = ("schema", "title", "description", "scenario", "controller", "set", "variable", "objective",
-         "constraint", "combine", "statistic", "quantile", "over", "budget", "population", "seed")  # fmt: skip
+         "constraint", "combine", "statistic", "quantile", "over", "budget", "population",
+         "seed")  # fmt: skip
+#: What laws know of worlds that differ: what the scenario says, or each world's truth.
+BELIEFS = ("scenario", "truth")
 _VARIABLE = ("key", "name", "label", "unit", "apply", "scale", "low", "high")
 _SCALES = {"log": "log_uniform", "linear": "uniform"}
 #: What a study's file says that tuning over its draws does not need.
@@ -43,7 +46,6 @@ class Tuning:
 
     Attributes:
         where: the file, or a description.
-        reference: how a command line names the scenario.
         scenario: as it is before tuning, under the law that is tuned.
         space: what varies.
         goal: what makes a set of numbers better than another.
@@ -54,7 +56,6 @@ class Tuning:
     """
 
     where: str
-    reference: str
     scenario: Scenario
     space: Space
     goal: Goal
@@ -67,17 +68,6 @@ class Tuning:
     def worlds(self) -> int:
         """Worlds that each set flies."""
         return 1 if self.over is None else self.over.worlds
-
-    @property
-    def flown(self) -> Scenario:
-        """What the worlds have in common: the scenario, with the changes of the draws' study."""
-        return self.scenario if self.over is None else self.over.scenario
-
-    def world_numbers(self) -> dict[str, Array]:
-        """The keys that the draws set, one entry a world."""
-        if self.over is None:
-            return {}
-        return overrides(self.over, self.scenario.law, draw(self.over, 0, self.worlds))
 
     def start(self) -> Array:
         """The scenario's own numbers as a point of the unit cube."""
@@ -110,11 +100,24 @@ class Tuning:
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def load(path: str | Path, **changes: Any) -> Tuning:
+def worlds_of(study: Study | None, law: str) -> tuple[dict[str, Array], int]:
+    """The keys that a study's draws set, one entry a world, and how many worlds these are."""
+    if study is None:
+        return {}, 1
+    return overrides(study, law, draw(study, 0, study.worlds)), study.worlds
+
+
+def titles() -> list[tuple[str, str]]:
+    """Name and title of each shipped tuning."""
+    return [(f.stem, str(library.read(f, f.name)["title"])) for f in library.tunings()]
+
+
+def load(path: str | Path, *, base: Scenario | None = None, **changes: Any) -> Tuning:
     """Reads and checks a tuning.
 
     Args:
         path: a TOML file, or the name of a tuning that multilift ships.
+        base: a scenario at hand, instead of the one that the file names.
         changes: keys of the file that are to be other than it says, such as ``scenario="sim2"``.
 
     Raises:
@@ -122,16 +125,19 @@ def load(path: str | Path, **changes: Any) -> Tuning:
             permitted and what to do.
     """
     file = library.find_tuning(path)
-    return parse({**library.read(file, str(path)), **changes}, str(path), file.parent)
+    return parse({**library.read(file, str(path)), **changes}, str(path), file.parent, base=base)
 
 
-def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Tuning:
+def parse(
+    raw: Mapping[str, Any], where: str, folder: Path, *, base: Scenario | None = None
+) -> Tuning:
     """Checks a tuning's tables.
 
     Args:
         raw: as a TOML file holds them.
         where: the file, for errors.
         folder: where relative paths begin.
+        base: a scenario at hand, instead of ``scenario``.
 
     Raises:
         ScenarioError: see `load`.
@@ -142,7 +148,7 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Tuning:
     if raw.get("schema", 1) != 1:
         raise ScenarioError("is not a version this multilift reads", where=where, key="schema",
                             value=raw["schema"], permitted="1")  # fmt: skip
-    scenario, reference = _scenario(raw, where, folder)
+    scenario = _scenario(raw, where, folder, base)
     varied = _variables(raw, scenario, where)
     over = _over(raw, scenario, where, folder)
     if over is not None:
@@ -153,7 +159,6 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Tuning:
         checks.check_ends(scenario, v, f"variable[{k}]", where)
     return Tuning(
         where=where,
-        reference=reference,
         scenario=scenario,
         space=Space(varied),
         goal=_goal(raw, scenario, where, over),
@@ -164,22 +169,23 @@ def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Tuning:
     )
 
 
-def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> tuple[Scenario, str]:
-    if "scenario" not in raw:
+def _scenario(
+    raw: Mapping[str, Any], where: str, folder: Path, scenario: Scenario | None
+) -> Scenario:
+    if scenario is None and "scenario" not in raw:
         raise ScenarioError("is missing", where=where, key="scenario",
                             permitted="a scenario file, or a shipped name",
                             advice="give it in the file, or to the command")  # fmt: skip
-    given = str(Field("scenario", "", "text").normalise(raw["scenario"], where, "scenario"))
-    beside = folder / given
-    path = str(beside) if beside.is_file() else given
-    scenario = load_scenario(path)
+    if scenario is None:
+        named = Field("scenario", "", "text").normalise(raw["scenario"], where, "scenario")
+        beside = folder / str(named)
+        scenario = load_scenario(beside if beside.is_file() else str(named))
     law = raw.get("controller", scenario.law)
     if law != scenario.law:
         with checks.naming(where, "controller"):
             scenario = scenario.with_law(law)
     with checks.naming(where, "set"):
-        scenario = scenario.with_values(study_spec.changes_of(raw.get("set", {}), where))
-    return scenario, path
+        return scenario.with_values(study_spec.changes_of(raw.get("set", {}), where))
 
 
 def _variables(raw: Mapping[str, Any], scenario: Scenario, where: str) -> tuple[Vary, ...]:
@@ -272,7 +278,7 @@ def _over(raw: Mapping[str, Any], scenario: Scenario, where: str, folder: Path) 
     given = raw["over"]
     if not isinstance(given, Mapping):
         raise ScenarioError("is not a table", where=where, key="over", value=given,
-                            advice="write [over] with study = ..., or with [[over.vary]] below")  # fmt: skip
+                            advice="write [over] with study = ... below")  # fmt: skip
     content = dict(given)
     if "study" in content:
         named = str(Field("study", "", "text").normalise(content.pop("study"), where, "over.study"))
@@ -281,9 +287,19 @@ def _over(raw: Mapping[str, Any], scenario: Scenario, where: str, folder: Path) 
         read = library.read(file, named)
         content = {**{k: v for k, v in read.items() if k not in _OF_STUDIES}, **content}
     changes = study_spec.changes_of(content.pop("set", {}), where)
+    if _choice(content, "believe", f"{where}, [over]", "scenario", BELIEFS) == "scenario":
+        changes = {**_believed(scenario), **changes}
+    content.pop("believe", None)
     with checks.naming(where, "over.set"):
         base = scenario.with_values(changes)
     return study_spec.of_scenario(content, base, changes, f"{where}, [over]")
+
+
+def _believed(scenario: Scenario) -> dict[str, Any]:
+    """What keeps a law from learning the truth of each world: the plant as the scenario has it."""
+    return {f"controller.assumed.{name}": value
+            for name, value in scenario.values["controller"]["assumed"].items()
+            if isinstance(value, (float, list))}  # fmt: skip
 
 
 def _own(scenario: Scenario, varied: Vary) -> float:

@@ -31,11 +31,6 @@ _CLOSE = 1e-4
 _PATIENCE = 25
 
 
-def draws(dimensions: int, seed: int, count: int) -> Strategy:
-    """Scrambled Sobol points, all at once."""
-    yield sobol(dimensions, seed, 0, count)
-
-
 def descents(
     goal: Goal, dimensions: int, seed: int, budget: int, population: int, start: Array
 ) -> Strategy:
