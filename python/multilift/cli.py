@@ -294,13 +294,16 @@ def scenarios(
     show: Annotated[
         str | None, typer.Option("--show", help="Print one shipped scenario's file.")
     ] = None,
+    tuned: Annotated[
+        bool, typer.Option("--tuned", help="List those with tuned gains instead.")
+    ] = False,
 ) -> None:
     """List the scenarios that multilift ships, or print one to start from."""
     if show is not None:
         sys.stdout.write(library.find(show).read_text(encoding="utf-8"))
         return
     table = Table("name", "title", "source", box=None, header_style="bold")
-    for file in library.files():
+    for file in library.tuned() if tuned else library.files():
         scenario = ml.load(file)
         source = str(scenario.values["source"])
         table.add_row(*map(escape, (scenario.name, scenario.title, source)))

@@ -22,6 +22,11 @@ def files() -> list[Path]:
     return sorted(folder().glob("*.toml"))
 
 
+def tuned() -> list[Path]:
+    """The shipped scenarios with tuned gains, by name; see ``docs/tuning``."""
+    return sorted((folder() / "tuned").glob("*.toml"))
+
+
 def studies() -> list[Path]:
     """The shipped study files, by name."""
     return sorted(folder("studies").glob("*.toml"))
@@ -38,7 +43,7 @@ def find(path: str | Path) -> Path:
     Raises:
         ScenarioError: if there is neither.
     """
-    return _find(path, files(), "'multilift scenarios' lists what is shipped")
+    return _find(path, [*files(), *tuned()], "'multilift scenarios' lists what is shipped")
 
 
 def find_study(path: str | Path) -> Path:

@@ -12,7 +12,7 @@ from multilift.compare import tables
 from multilift.compare.tuning import ERROR, SWING, Tuned
 from multilift.packed import resource
 from multilift.report import html
-from multilift.study.summary import toml_inline
+from multilift.toml_text import inline as toml_inline
 
 if TYPE_CHECKING:
     from multilift.compare.run import Comparison

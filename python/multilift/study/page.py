@@ -7,7 +7,7 @@ from importlib import resources
 
 from markupsafe import Markup
 
-from multilift import provenance
+from multilift import provenance, toml_text
 from multilift.report import html, law_styles
 from multilift.report.text import inline, listed, number
 from multilift.storage import write_whole
@@ -15,7 +15,7 @@ from multilift.study import figures
 from multilift.study.figures import Drawing
 from multilift.study.statistics import Interval
 from multilift.study.store import Store
-from multilift.study.summary import PROBABILITIES, Summary, toml_inline
+from multilift.study.summary import PROBABILITIES, Summary
 from multilift.study.vary import Vary
 
 
@@ -38,7 +38,7 @@ def render(store: Store, summary: Summary, drawings: list[Drawing]) -> str:
     study = store.study
     environment = html.environment({
         "inline": inline, "percent": percent, "interval": interval, "value": value,
-        "signed": signed, "toml": toml_inline,
+        "signed": signed, "toml": toml_text.inline,
     })  # fmt: skip
     laws = list(study.controllers)
     return environment.from_string(_text("multilift.study", "page.html.j2")).render(

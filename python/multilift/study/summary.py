@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +16,7 @@ from multilift.study.rows import overrides
 from multilift.study.spec import Criterion, Study
 from multilift.study.statistics import Interval, paired_mean, paired_share, quantiles, wilson
 from multilift.study.store import Store
+from multilift.toml_text import inline
 
 PROBABILITIES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
@@ -187,22 +187,8 @@ def replay_command(study: Study, law: str, world: int) -> str:
         changes[key] = value[0].tolist()
     parts = ["multilift", "run", study.reference]
     for key, value in changes.items():
-        parts += ["--set", f"{key}={toml_inline(value)}"]
+        parts += ["--set", f"{key}={inline(value)}"]
     return shlex.join([*parts, "--controller", law])
-
-
-def toml_inline(value: Any) -> str:
-    """A value as TOML in one line; numbers keep every bit."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{k} = {toml_inline(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(toml_inline, value)) + "]"
-    return repr(value)
 
 
 def worst_cases(store: Store, outcome: NDArray[np.int8]) -> list[WorstCase]:

@@ -92,7 +92,35 @@ def after(found: Found, threads: int | None = None) -> Side:
     """The best set that was found."""
     numbers = found.numbers(found.best)
     point = found.points[found.best : found.best + 1]
-    return _side(found.tuning, point, found.tuning.tuned(numbers), numbers, threads)
+    return _side(found.tuning, point, tuned(found), numbers, threads)
+
+
+def tuned(found: Found) -> Scenario:
+    """The scenario with the best numbers, and how it came by them in its description."""
+    tuning, goal = found.tuning, found.tuning.goal
+    scenario = tuning.tuned(found.numbers(found.best))
+    law = "" if scenario.law == "energy_coupled" else f"_{scenario.law}"
+    wanted = ", then ".join(
+        f"{'greatest' if o.maximise else 'least'} {o.metric}" for o in goal.objectives
+    )
+    worlds = ""
+    if tuning.over is not None:
+        how = {"worst": "the worst", "mean": "the mean"}.get(
+            goal.statistic, f"the {100 * goal.quantile:g} % quantile"
+        )
+        worlds = f", {how} of {tuning.worlds} worlds"
+    text = (
+        f"Tuned from {tuning.scenario.name} for the {wanted}{worlds}, by {len(found.points)} sets "
+        f"of numbers. {scenario.values['description']}"
+    )
+    kind, what = ("tuned", "tuned") if tuning.over is None else ("robust", "tuned over worlds")
+    return scenario.with_values(
+        {
+            "name": f"{tuning.scenario.name}{law}_{kind}",
+            "title": f"{tuning.scenario.title}, {what}",
+            "description": text.strip(),
+        }
+    )
 
 
 def sensitivity(found: Found, threads: int | None = None) -> list[Slice]:

@@ -11,12 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
-from multilift import provenance
+from multilift import provenance, toml_text
 from multilift.errors import OutputError
 from multilift.run import finite
-from multilift.scenario import Scenario
 from multilift.storage import LOCK, as_output_error, held, write_whole
 from multilift.study.vary import Vary
 from multilift.tune import judge
@@ -125,7 +122,7 @@ def run(
             found = search(tuning, folder / FILE, threads=threads, progress=progress)
             after = judge.after(found, threads)
             slices = judge.sensitivity(found, threads)
-            write_whole(folder / TUNED, describe(found, after).to_toml().encode())
+            write_whole(folder / TUNED, toml_text.document(after.scenario.raw()).encode())
             result = Result(folder, found, before, after, slices,
                             _write_check(folder, tuning), least_time)  # fmt: skip
             if tuning.goal.combine == "front":
@@ -164,32 +161,6 @@ def check_folder(folder: Path) -> None:
                 f"{folder} is not empty and holds no tuning, so it is not touched\n"
                 "  what to do: choose another folder"
             )
-
-
-def describe(found: Found, after: Side) -> Scenario:
-    """The tuned scenario, with what it is written into its title and description."""
-    tuning = found.tuning
-    scenario = after.scenario
-    law = "" if scenario.law == "energy_coupled" else f"_{scenario.law}"
-    goal = tuning.goal
-    wanted = ", then ".join(
-        f"{'greatest' if o.maximise else 'least'} {o.metric}" for o in goal.objectives
-    )
-    how = {"nominal": "", "worst": "the worst of ", "mean": "the mean of "}.get(
-        goal.statistic, f"the {100 * goal.quantile:g} % quantile of "
-    )
-    worlds = f", {how}{tuning.worlds} worlds" if tuning.over is not None else ""
-    text = (
-        f"Tuned from {tuning.scenario.name} for the {wanted}{worlds}, by {len(found.points)} sets "
-        f"of numbers. {scenario.values['description']}"
-    )
-    return scenario.with_values(
-        {
-            "name": f"{tuning.scenario.name}{law}_tuned",
-            "title": f"{tuning.scenario.title}, tuned",
-            "description": text.strip(),
-        }
-    )
 
 
 def _begin(folder: Path, tuning: Tuning, *, force: bool) -> None:
@@ -247,7 +218,7 @@ def _write_check(folder: Path, tuning: Tuning) -> str:
         ]
         or [{"metric": goal.objectives[0].metric, "above": -1e300}],
     }  # fmt: skip
-    write_whole(folder / CHECK, tomli_w.dumps(study).encode())
+    write_whole(folder / CHECK, toml_text.document(study).encode())
     parts = ["multilift", "study", str(folder / CHECK), "-o", str(folder / "check")]
     return shlex.join(parts)
 
