@@ -36,7 +36,7 @@ def plain(scenario: ml.Scenario, robust: str) -> dict[str, Any]:
     side = judge.before(tune.load(robust, base=scenario))
     return {"nominal": side.run.metrics["combined_settling"],
             "quantile": side.judged["combined_settling"], "never": side.never,
-            "peaks": list(side.peaks), "swing": side.run.metrics["swing_settling_time"]}  # fmt: skip
+            "peaks": list(side.peaks)}  # fmt: skip
 
 
 def one(name: str, law: str, folder: Path, ship: Path | None) -> dict[str, Any]:
