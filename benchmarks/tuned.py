@@ -60,7 +60,7 @@ def one(name: str, law: str, folder: Path, ship: Path | None) -> dict[str, Any]:
             ship.mkdir(parents=True, exist_ok=True)
             (ship / f"{made.name}.toml").write_text((where / TUNED).read_text())
     if part == "planar" and name != "exp2":
-        result["force"] = list(law_force(scenario.with_law("energy_coupled")))
+        result["force"] = list(law_force(ml.load(name)))
     return result
 
 
