@@ -15,7 +15,7 @@ from multilift.errors import OutputError, ScenarioError
 from multilift.limit.bound import law_force
 from multilift.study.run import run as run_study
 from multilift.study.spec import Criterion
-from multilift.tune import judge, search
+from multilift.tune import gradients, judge, search
 from multilift.tune.goals import Goal, Objective, not_dominated, violation
 from multilift.tune.run import run
 from multilift.tune.strategies import descents, front
@@ -243,6 +243,55 @@ def test_worst_is_no_better_than_a_quantile_and_that_no_better_than_the_median()
         for how in ({"quantile": 0.5}, {"quantile": 0.9}, {"statistic": "worst"})
     )
     assert median < quantile <= worst
+
+
+def test_slopes_are_those_of_the_runs_whatever_the_numbers_set():
+    plan = small(
+        variable=[
+            *GAINS,
+            {"key": ["controller.k_p[0][1]", "controller.k_p[1][1]"], "name": "k_p_z",
+             "apply": "multiply", "scale": "log", "low": 0.2, "high": 1.0},
+            {"key": "controller.gamma", "apply": "add", "low": 0.0, "high": 2.0},
+        ],
+        objective=[{"metric": "swing_integral"},
+                   {"metric": "control_effort", "weight": 0.3, "sense": "maximise"}],
+        combine="weighted",
+    )  # fmt: skip
+    point = np.array([0.4, 0.6, 0.7, 0.3])
+    _, along = gradients.slope(plan, point)
+    for k in range(4):
+        step = np.eye(4)[k] * 1e-4
+        up, down = (gradients.slope(plan, point + s)[0] for s in (step, -step))
+        assert along[k] == pytest.approx((up - down) / 2e-4, rel=1e-5)
+
+
+def test_a_walk_goes_down_to_where_it_is_level_or_the_box_ends():
+    plan = small()
+    start = np.array([0.5, 0.5])
+    steps = gradients.walk(plan, start, 40)
+    values = [gradients.slope(plan, x)[0] for x in (start, steps[-1])]
+    assert values[1] < values[0]
+    along = gradients.slope(plan, steps[-1])[1]
+    free = (steps[-1] > 0) & (steps[-1] < 1)
+    assert (
+        np.abs(along[free]).max(initial=0.0) < 1e-2 * np.abs(gradients.slope(plan, start)[1]).max()
+    )
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"objective": [{"metric": "combined_settling"}]},
+        {"objective": [{"metric": "swing_integral"}, {"metric": "overshoot"}]},
+        {"constraint": [{"metric": "overshoot", "below": 1.0}]},
+        {"over": {"count": 4, "vary": [{"key": "plant.bar_mass", "distribution": "uniform",
+                                         "low": 0.7, "high": 0.9}]}},
+        {"variable": [{"key": "controller.rate", "low": 50.0, "high": 100.0}]},
+    ],
+)  # fmt: skip
+def test_nothing_walks_where_there_is_no_slope(changes):
+    assert gradients.budget(small()) == 7
+    assert gradients.budget(small(**changes)) == 0
 
 
 def test_a_law_without_a_gain_leaves_it_out():

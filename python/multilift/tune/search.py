@@ -21,6 +21,7 @@ from multilift.errors import OutputError
 from multilift.storage import as_output_error
 from multilift.study.spec import Study
 from multilift.study.vary import Array
+from multilift.tune import gradients
 from multilift.tune.goals import not_dominated
 from multilift.tune.spec import Tuning, worlds_of
 from multilift.tune.strategies import Strategy, descents, front
@@ -156,9 +157,11 @@ def search(
 
 
 def _strategy(tuning: Tuning) -> Strategy:
-    chosen = front if tuning.goal.combine == "front" else descents
-    return chosen(tuning.goal, tuning.space.dimensions, tuning.seed, tuning.budget,
-                  tuning.population, tuning.start())  # fmt: skip
+    goal, last = tuning.goal, gradients.budget(tuning)
+    chosen = front if goal.combine == "front" else descents
+    first = chosen(goal, tuning.space.dimensions, tuning.seed, tuning.budget - last,
+                   tuning.population, tuning.start())  # fmt: skip
+    return gradients.polished(tuning, first) if last else first
 
 
 def _columns(tuning: Tuning) -> int:
