@@ -37,6 +37,10 @@ if TYPE_CHECKING:
 Law = Callable[[Any], Sequence[float]]
 
 
+#: Laws in Python that multilift brings, slow ones to compare with: module and class.
+LIBRARY = {"nmpc": ("multilift.nmpc", "Nmpc")}
+
+
 @dataclass(frozen=True)
 class CompiledLaw:
     """A law of the compiled core: its name, and one line for figures and tables."""
@@ -116,11 +120,14 @@ def resolve(controller: Any, scenario: Scenario) -> tuple[CompiledLaw | PythonLa
             changed = scenario.law != controller
             law = CompiledLaw(controller, laws[controller].title)
             return law, scenario.with_law(controller) if changed else scenario
+        if controller in LIBRARY:
+            module, name = LIBRARY[controller]
+            return python_law(getattr(importlib.import_module(module), name)), scenario
         if ".py:" in controller:
             return python_law(_load_from_file(controller)), scenario
         raise ControllerError(
             f"no control law is called {controller!r}\n"
-            f"  permitted: {', '.join(laws)}, or FILE.py:NAME for your own"
+            f"  permitted: {', '.join((*laws, *LIBRARY))}, or FILE.py:NAME for your own"
         )
     return python_law(controller), scenario
 

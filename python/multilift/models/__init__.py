@@ -182,6 +182,20 @@ class Model(ABC):
             value=self.name, permitted="planar or spatial",
         )  # fmt: skip
 
+    def free_coordinates(
+        self, scenario: Scenario, measured: Any
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What a law has measured, in the coordinates of `move`.
+
+        Args:
+            scenario: whose plant it is.
+            measured: as the model's laws are told.
+
+        Returns:
+            The coordinates and their rates, shape (coordinates,) each.
+        """
+        raise NotImplementedError
+
     def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
         """Values of a scenario in which forces act at once and nothing disturbs or ends a move."""
         raise NotImplementedError

@@ -1,12 +1,13 @@
 """The last steps of a search along exact derivatives, where the metric has them.
 
-CMA-ES finds the valley and then creeps; with the derivatives of the run itself (`multilift.gradient`)
-L-BFGS-B walks down the rest of it. That needs one objective, or a weighted sum, of one flight, that
-changes smoothly with the numbers, and no constraints.
+CMA-ES finds the valley and then creeps; with the derivatives of the run itself L-BFGS-B walks down
+the rest of it. That needs one objective, or a weighted sum, of one flight, that changes smoothly
+with the numbers, and no constraints.
 """
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -81,10 +82,8 @@ def walk(tuning: Tuning, start: Array, most: int) -> Array:
         seen.append(np.clip(x, 0.0, 1.0))
         return value, along
 
-    try:
+    with contextlib.suppress(StopIteration):
         minimize(look, start, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * len(start))
-    except StopIteration:
-        pass
     return np.array(seen).reshape(-1, len(start))
 
 

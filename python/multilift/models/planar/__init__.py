@@ -70,6 +70,13 @@ class Planar(Model):
 
         return move.move(planar_only(scenario, "multilift.limit"), limits)
 
+    def free_coordinates(
+        self, scenario: Scenario, measured: Any
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        from multilift.models.planar import move  # noqa: PLC0415 - needs CasADi
+
+        return move.free_coordinates(planar_only(scenario, "free coordinates"), measured)
+
     def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
         return {"actuators": {}, "sensors": {}, "push": []}
 

@@ -16,6 +16,7 @@ from multilift.limit.bounds import Limits
 from multilift.limit.errors import casadi
 from multilift.limit.move import Instant, Move, Vector, time_guess
 from multilift.models.planar import geometry
+from multilift.models.planar.laws import Measurement
 from multilift.models.planar.run import PlanarRun
 from multilift.models.planar.scenario import PlanarScenario, planar_only
 from multilift.simulate import simulate
@@ -168,6 +169,14 @@ def move(scenario: PlanarScenario, limits: Limits) -> Move:
     )
     made.check_rest(scenario.where)
     return made
+
+
+def free_coordinates(scenario: PlanarScenario, measured: Measurement) -> tuple[Vector, Vector]:
+    """See `multilift.models.Model.free_coordinates`: y_p, z_p, theta1..3 and their rates."""
+    q = [*measured.xi.ravel(), *measured.theta]
+    q_dot = [*measured.xi_dot.ravel(), *measured.theta_dot]
+    free = np.array(_core.planar_free_coordinates(scenario.plant_values(), q, q_dot))
+    return free[:5], free[5:]
 
 
 def after_push(scenario: PlanarScenario, number: int) -> PlanarScenario:

@@ -93,6 +93,13 @@ class Spatial(Model):
 
         return move.move(spatial_only(scenario, "multilift.limit"), limits)
 
+    def free_coordinates(
+        self, scenario: Scenario, measured: Any
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        from multilift.models.spatial import move  # noqa: PLC0415 - needs CasADi
+
+        return move.free_coordinates(spatial_only(scenario, "free coordinates"), measured)
+
     def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
         return {
             "vehicle.kind": "ideal", "start.rotors": "running",

@@ -16,6 +16,7 @@ from multilift.errors import ScenarioError
 from multilift.limit.bounds import Limits
 from multilift.limit.errors import casadi
 from multilift.limit.move import Instant, Move, Vector, time_guess
+from multilift.models.spatial.laws import Measurement
 from multilift.models.spatial.run import SpatialRun, rotation_matrices
 from multilift.models.spatial.scenario import SpatialScenario
 
@@ -239,6 +240,37 @@ def move(scenario: SpatialScenario, limits: Limits) -> Move:
     )
     made.check_rest(scenario.where)
     return made
+
+
+def free_coordinates(scenario: SpatialScenario, measured: Measurement) -> tuple[Vector, Vector]:
+    """See `multilift.models.Model.free_coordinates`; the heading is the one nearest to the goal's.
+
+    Cables are where the measured vehicles and payload say, whatever their length then is.
+    """
+    plant = scenario.values["plant"]
+    turned = rotation_matrices(measured.payload_attitude[None])[0]
+    omega = measured.payload_rate
+    q, q_dot = [*measured.payload], [*measured.payload_velocity]
+    if has_attitude(plant):
+        pitch = np.arcsin(np.clip(-turned[2, 0], -1.0, 1.0))
+        roll = np.arctan2(turned[2, 1], turned[2, 2])
+        yaw = np.arctan2(turned[1, 0], turned[0, 0])
+        wanted = _headings(scenario)[1]
+        yaw = wanted + (yaw - wanted + np.pi) % (2.0 * np.pi) - np.pi
+        yaw_rate = (omega[1] * np.sin(roll) + omega[2] * np.cos(roll)) / np.cos(pitch)
+        pitch_rate = omega[1] * np.cos(roll) - omega[2] * np.sin(roll)
+        q += [yaw, pitch, roll]
+        q_dot += [yaw_rate, pitch_rate, omega[0] + yaw_rate * np.sin(pitch)]
+    for i, arm in enumerate(np.array(plant["attachment"])):
+        along = measured.vehicle[i] - measured.payload - turned @ arm
+        length = np.linalg.norm(along)
+        moving = measured.vehicle_velocity[i] - measured.payload_velocity
+        moving = moving - turned @ np.cross(omega, arm)
+        (x, y, z), (dx, dy, dz) = along / length, moving / length
+        across = y * y + z * z
+        q += [np.arcsin(np.clip(x, -1.0, 1.0)), np.arctan2(y, z)]
+        q_dot += [dx / np.sqrt(across), (dy * z - y * dz) / across]
+    return np.array(q, dtype=float), np.array(q_dot, dtype=float)
 
 
 def arrival(run: SpatialRun, row: int) -> dict[str, float]:
