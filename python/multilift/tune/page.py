@@ -88,12 +88,11 @@ def statistic(result: Result) -> str:
     """Over what the objectives are, in words."""
     tuning = result.found.tuning
     if tuning.over is None:
-        return "of the scenario's one flight"
-    fresh = max(tuning.worlds, 1)
+        return "flown once"
     name = {"worst": "worst", "mean": "mean"}.get(
         tuning.goal.statistic, f"{100 * tuning.goal.quantile:g} % quantile"
     )
-    return f"the {name} over {fresh:,} worlds while tuning, over others here"
+    return f"by the {name} over {tuning.worlds:,} worlds; here over others"
 
 
 def _keys(result: Result) -> list[tuple[str, Any, Any]]:
