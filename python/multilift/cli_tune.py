@@ -181,9 +181,12 @@ class _Meter:
 
     def show(self, found: Any) -> None:
         values = found.values(found.best)
+        goal = self._plan.goal
+        # Of objectives in order the first says how far it is; a line holds no more.
+        shown = goal.objectives[: 1 if goal.combine == "lexicographic" else None]
         text = ", ".join(
             f"{o.metric} {values[o.metric]:.4g} {o.unit}".rstrip()
-            for o in self._plan.goal.objectives
+            for o in shown
             if math.isfinite(values[o.metric])
         )
         self._progress.update(self._task, completed=len(found.points),
