@@ -32,10 +32,13 @@ def lab():
     return labs.load(labs.DEFAULT)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(lab):
     with Page(lab, ANY, "a test") as page:
         yield page
+    assert page._process.returncode == 0
+    with pytest.raises(OSError):
+        socket.create_connection((page.address.host, page.address.port), 5.0)
 
 
 def wait_for(what):
@@ -254,28 +257,23 @@ def test_nothing_else_listens(page):
         pass
 
 
-def test_a_page_that_is_stuck_or_dead_holds_nobody_up(page):
-    child = page._process.pid
-    os.kill(child, signal.SIGSTOP)
+def test_a_page_that_is_stuck_holds_nobody_up(page):
+    os.kill(page._process.pid, signal.SIGSTOP)
     # Far more than any socket holds: what does not fit is dropped, not waited for.
     for k in range(3000):
         page.show(snapshot(time=float(k)))
     assert page.words() == []
-    os.kill(child, signal.SIGCONT)
+    os.kill(page._process.pid, signal.SIGCONT)
     assert "token" in page.note
-    page._process.kill()
-    wait_for(lambda: page.words() == [] and page.trouble)
-    for k in range(3000):
-        page.show(snapshot(time=float(k)))
-    assert "gone" in page.note
 
 
-def test_a_page_ends_with_its_command(lab):
+def test_a_page_that_is_dead_holds_nobody_up(lab):
     with Page(lab, ANY, "a test") as page:
-        child = page._process
-    assert child.returncode == 0
-    with pytest.raises(OSError):
-        socket.create_connection((page.address.host, page.address.port), 5.0)
+        page._process.kill()
+        wait_for(lambda: page.words() == [] and page.trouble)
+        for k in range(3000):
+            page.show(snapshot(time=float(k)))
+        assert "gone" in page.note
 
 
 def test_a_page_that_cannot_begin_says_why(lab, monkeypatch):

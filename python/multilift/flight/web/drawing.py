@@ -46,22 +46,20 @@ class Drawing:
         self._history = History()
         self._head = gui.add_html(words.waiting(), order=0)
         self._rest = gui.add_html("", order=2)
-        panel = gui.add_panel()
-        with panel.add_tab("last 30 s"):
-            self._plots = Plots(gui, len(stage.rotors))
-        panel.dock_left()
-        panel.set_width(_LEFT)
         self._space = Space(server, stage)
         self._buttons: dict[int, Buttons] = {}
+        self._plots: dict[int, Plots] = {}
         self._shown: Snapshot | None = None
 
         @server.on_client_connect
         async def _(client: viser.ClientHandle) -> None:
             self._buttons[client.client_id] = Buttons(client, gate, say, self._now)
+            self._plots[client.client_id] = _plots(client, len(stage.rotors))
 
         @server.on_client_disconnect
         async def _(client: viser.ClientHandle) -> None:
             self._buttons.pop(client.client_id, None)
+            self._plots.pop(client.client_id, None)
 
     def space(self, shown: Snapshot, age: float) -> None:
         """Draws the view in space.
@@ -84,7 +82,21 @@ class Drawing:
 
     def plots(self, shown: Snapshot, age: float) -> None:
         """Draws the curves."""
-        self._plots.draw(self._history)
+        for plots in list(self._plots.values()):
+            plots.draw(self._history)
 
     def _now(self) -> Snapshot | None:
         return self._shown
+
+
+def _plots(client: viser.ClientHandle, count: int) -> Plots:
+    """The plots of one browser: beside the view in space, or where that is narrow, below the rest."""
+    panel = client.gui.add_panel()
+    with panel.add_tab("last 30 s"):
+        plots = Plots(client.gui, count)
+    if client.camera.image_width < client.camera.image_height:
+        panel.dock_below(client.gui.main_panel)
+    else:
+        panel.dock_left()
+        panel.set_width(_LEFT)
+    return plots

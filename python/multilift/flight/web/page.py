@@ -29,7 +29,7 @@ _MOST_BYTES = 2**16
 
 #: How long the page may take to begin and to end, s.
 _TO_BEGIN = 60.0
-_TO_END = 5.0
+_TO_END = 30.0
 
 #: What makes something begin; it counts only as an answer to what is still so.
 _BEGINNINGS = (Word.START, Word.GO)

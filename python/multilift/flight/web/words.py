@@ -49,11 +49,7 @@ def head(shown: Snapshot, age: float) -> str:
             f'<div class="ml-line r">No data for {age:.0f} s: all this is of the past.</div>'
         )
     lines += [f'<div class="ml-line r">{escape(p)}</div>' for p in shown.problems[:6]]
-    real = (
-        '<span class="g">twin: nothing real</span>'
-        if shown.twin
-        else '<span class="y">HARDWARE</span>'
-    )
+    real = ("g", "twin: nothing real") if shown.twin else ("y", "HARDWARE")
     return (
         f'{_STYLE}{_OVER}<div class="ml"><div class="ml-state {kind}"><b>{escape(shown.state)}</b>'
         f"<span>for {shown.lasted:.1f} s</span></div>"
