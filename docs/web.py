@@ -3,8 +3,10 @@
 ``python docs/web.py`` writes docs/_static/flight-web.png; it needs Chromium or Chrome.
 """
 
+import dataclasses
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -18,7 +20,7 @@ from multilift.flight.web.page import Page
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from browser import Browser
 
-#: What is shown: the flight until then, s, and how much faster than it was.
+#: How long it has flown in the picture, s, and how much faster it is shown.
 SECONDS = 9.0
 FASTER = 2.0
 
@@ -36,24 +38,33 @@ def flown() -> list:
     return found
 
 
+def shows(page: Page, snapshots: list, over: threading.Event) -> None:
+    """Flies them, and stays at the last, which is of now until it is over."""
+    for shown in snapshots:
+        page.show(shown)
+        time.sleep(0.1 / FASTER)
+    while not over.wait(0.1):
+        page.show(dataclasses.replace(snapshots[-1]))
+
+
 if __name__ == "__main__":
     target = Path(__file__).parent / "_static" / "flight-web.png"
-    shown = flown()
+    snapshots, over = flown(), threading.Event()
     with (
         tempfile.TemporaryDirectory() as folder,
         Page(lab.load(lab.DEFAULT), WebAddress("127.0.0.1", 0), "docs/web.py") as page,
         Browser(Path(folder) / "profile", page.address.url) as browser,
     ):
-        for part, act in (
-            (shown[:-20], lambda: (browser.type_into("token", page.token),
-                                   browser.press("unlock the buttons"))),
-            (shown[-20:], lambda: browser.wait_for_text("land all")),
-        ):  # fmt: skip
-            for snapshot in part:
-                page.show(snapshot)
-                time.sleep(0.1 / FASTER)
-            act()
-        browser.run("[...document.querySelectorAll('.mantine-Notification-closeButton')]"
-                    ".forEach(b => b.click())")  # fmt: skip
-        time.sleep(0.5)
-        browser.picture(target)
+        flight = threading.Thread(target=shows, args=(page, snapshots, over))
+        flight.start()
+        try:
+            browser.type_into("token", page.token)
+            browser.press("unlock the buttons")
+            browser.wait_for_text(f"for {snapshots[-1].lasted:.1f} s")
+            browser.run("[...document.querySelectorAll('.mantine-Notification-closeButton')]"
+                        ".forEach(b => b.click())")  # fmt: skip
+            time.sleep(1.0)
+            browser.picture(target)
+        finally:
+            over.set()
+            flight.join()

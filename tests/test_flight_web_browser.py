@@ -1,7 +1,6 @@
 """The page in a real browser: it shows the flight, and its buttons fly it."""
 
 import dataclasses
-import os
 import re
 import subprocess
 import sys
@@ -79,7 +78,6 @@ def types_a_wrong_token_and_the_right_one(seen, page):
     wait_for(lambda: page.refused == 1)
     assert "1 wrong" in page.note
     assert not seen.shows("land all")
-    seen.run("document.querySelectorAll('input').forEach(e => e.select())")
     seen.type_into("token", page.token)
     seen.press("unlock the buttons")
     seen.wait_for_text("land all")
@@ -114,7 +112,7 @@ def test_a_twin_is_landed_from_a_browser(tmp_path):
     command = subprocess.Popen(
         [sys.executable, "-u", "-c", TWIN, "twin", "--yes", "--log", str(log),
          "--web-address", "127.0.0.1:0"],
-        stdout=subprocess.PIPE, env={**os.environ, "COLUMNS": "200"}, text=True,
+        stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     with command:
         try:
@@ -122,11 +120,12 @@ def test_a_twin_is_landed_from_a_browser(tmp_path):
             while found is None:
                 found = re.search(r"(http://\S+)\s+token (\S+)", command.stdout.readline())
             url, token = found.groups()
-            with Browser(tmp_path / "profile", url) as seen:
+            with Browser(tmp_path / "profile", url, (700, 500)) as seen:
                 seen.type_into("token", token)
                 seen.press("unlock the buttons")
+                seen.wait_for_text("ARMED")
                 seen.press("land all")
-                wait_for(lambda: seen.shows("land: the pilot lands"))
+                seen.wait_for_text("the pilot lands")
             rest = command.stdout.read()
             command.wait(browser.PATIENCE)
         finally:

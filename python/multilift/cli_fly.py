@@ -163,7 +163,7 @@ def _go_alone(program: Program, page: Page | None) -> None:
     from multilift.flight.supervisor import State, Word  # noqa: PLC0415
 
     program.say(Word.START)
-    state, gone, note = "", False, ""
+    state, note, begun, gone = "", "", False, False
     while not program.is_over:
         shown = program.look(0.5)
         if (said := _second_screen(program, page)) != note:
@@ -175,7 +175,8 @@ def _go_alone(program: Program, page: Page | None) -> None:
             state = shown.state
             why = shown.happenings[-1].text if shown.happenings else state
             _out.print(f"{shown.time:7.1f} s  {escape(why)}", soft_wrap=True)
-            if gone and state == State.IDLE.value:
+            begun = begun or state == State.PREFLIGHT.value
+            if begun and state == State.IDLE.value:
                 program.leave()
         if Word.GO.value in shown.words and not gone:
             gone = True

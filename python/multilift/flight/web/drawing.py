@@ -90,7 +90,7 @@ class Drawing:
 
 
 def _plots(client: viser.ClientHandle, count: int) -> Plots:
-    """The plots of one browser: beside the view in space, or where that is narrow, below the rest."""
+    """The plots of one browser: left of the view in space; on a narrow screen below the rest."""
     panel = client.gui.add_panel()
     with panel.add_tab("last 30 s"):
         plots = Plots(client.gui, count)

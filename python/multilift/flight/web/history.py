@@ -24,8 +24,8 @@ class History:
         self._kept: deque[Snapshot] = deque()
 
     def add(self, shown: Snapshot) -> None:
-        """Takes the next one; one that is no newer than the last begins anew."""
-        if self._kept and shown.time <= self._kept[-1].time:
+        """Takes the next one; one that is older than the last begins anew."""
+        if self._kept and shown.time < self._kept[-1].time:
             self._kept.clear()
         self._kept.append(shown)
         while self._kept[0].time < shown.time - SPAN:
