@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -23,8 +24,9 @@ from rich.table import Table
 from multilift.errors import MissingExtraError, OutputError, ScenarioError
 
 if TYPE_CHECKING:
+    from multilift.flight.lab import Lab
     from multilift.flight.program import Program
-    from multilift.flight.snapshot import Snapshot
+    from multilift.flight.web.page import Page
 
 _out = Console()
 
@@ -43,14 +45,29 @@ LogOption = Annotated[
 YesOption = Annotated[
     bool, typer.Option("--yes", help="Twins only: nobody at the keys, it goes and leaves itself.")
 ]
+WebOption = Annotated[bool, typer.Option("--web", help="Also as a web page, for a second screen.")]
+WebAddressOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Where --web is; left out: 127.0.0.1:8080.",
+        metavar="ADDRESS:PORT",
+    ),
+]
 SpeedOption = Annotated[
     float, typer.Option(min=0.1, max=20.0, help="Of a twin's time; what a machine can keep up.")
 ]
 
 
-def fly(lab: LabArgument = None, log: LogOption = None, yes: YesOption = False) -> None:
+def fly(
+    lab: LabArgument = None,
+    log: LogOption = None,
+    yes: YesOption = False,
+    web: WebOption = False,
+    web_address: WebAddressOption = None,
+) -> None:
     """Fly a lab's vehicles, from the pre-flight checks to the ground; a twin if none is named."""
-    _fly(lab, log, yes=yes, twin=False, speed=1.0)
+    place = _web("fly", web, web_address)
+    _fly(lab, log, yes=yes, twin=False, speed=1.0, web=place)
 
 
 def twin(
@@ -58,12 +75,23 @@ def twin(
     log: LogOption = None,
     yes: YesOption = False,
     speed: SpeedOption = 1.0,
+    web: WebOption = False,
+    web_address: WebAddressOption = None,
 ) -> None:
     """Fly a lab with nothing real: plant, motion capture, autopilots, each a process of its own."""
-    _fly(lab, log, yes=yes, twin=True, speed=speed)
+    place = _web("twin", web, web_address)
+    _fly(lab, log, yes=yes, twin=True, speed=speed, web=place)
 
 
-def _fly(path: Path | None, log: Path | None, *, yes: bool, twin: bool, speed: float) -> None:
+def _fly(
+    path: Path | None,
+    log: Path | None,
+    *,
+    yes: bool,
+    twin: bool,
+    speed: float,
+    web: Callable[[Lab], contextlib.AbstractContextManager[Page | None]],
+) -> None:
     try:
         from multilift.flight import lab as labs  # noqa: PLC0415 - the shorter start
         from multilift.flight.program import Program  # noqa: PLC0415
@@ -86,42 +114,78 @@ def _fly(path: Path | None, log: Path | None, *, yes: bool, twin: bool, speed: f
         raise OutputError(f"{target} is there already\n  what to do: name a new file")
     # Ended by a signal, too, we end what we started.
     signal.signal(signal.SIGTERM, _stop)
-    with Program(lab, file, target, speed=speed) as program:
+    with web(lab) as page, Program(lab, file, target, speed=speed) as program:
         if yes:
-            _go_alone(program)
+            _go_alone(program, page)
         else:
-            _with_pilot(program)
+            _with_pilot(program, page)
     _summary(target)
+
+
+def _web(
+    command: str, wanted: bool, address: str | None
+) -> Callable[[Lab], contextlib.AbstractContextManager[Page | None]]:
+    """What begins the web page of a lab, or does nothing, where none is wanted."""
+    if not wanted and address is None:
+        return lambda lab: contextlib.nullcontext()
+    missing = next((p for p in ("viser", "websockets") if find_spec(p) is None), None)
+    if missing is not None:
+        raise MissingExtraError(missing, "web", "the web page")
+    from multilift.flight.web import address as addresses  # noqa: PLC0415 - the shorter start
+
+    where = f"multilift {command}"
+    place = addresses.WebAddress.parse(address or addresses.DEFAULT, where)
+
+    def begin(lab: Lab) -> Page:
+        from multilift.flight.web.page import Page  # noqa: PLC0415
+
+        return Page(lab, place, where)
+
+    return begin
+
+
+def _second_screen(program: Program, page: Page | None) -> str:
+    """Shows the web page what is new and says what was pressed there; a line about it."""
+    if page is None:
+        return ""
+    page.show(program.snapshot)
+    for word in page.words():
+        program.say(word)
+    return page.note
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _go_alone(program: Program) -> None:
+def _go_alone(program: Program, page: Page | None) -> None:
     """Without a pilot: checks, go, and leave when all is down; one line a state."""
     from multilift.flight.supervisor import State, Word  # noqa: PLC0415
 
     program.say(Word.START)
-    state, gone = "", False
+    state, note, begun, gone = "", "", False, False
     while not program.is_over:
         shown = program.look(0.5)
+        if (said := _second_screen(program, page)) != note:
+            note = said
+            _out.print(escape(note), soft_wrap=True, highlight=False)
         if shown is None or (shown.state == state == State.PREFLIGHT.value and gone):
             continue
         if shown.state != state:
             state = shown.state
             why = shown.happenings[-1].text if shown.happenings else state
             _out.print(f"{shown.time:7.1f} s  {escape(why)}", soft_wrap=True)
-            if gone and state == State.IDLE.value:
+            begun = begun or state == State.PREFLIGHT.value
+            if begun and state == State.IDLE.value:
                 program.leave()
         if Word.GO.value in shown.words and not gone:
             gone = True
             program.say(Word.GO)
 
 
-def _with_pilot(program: Program) -> None:
+def _with_pilot(program: Program, page: Page | None) -> None:
     """A live view and the pilot's keys, until she leaves and all is on the ground."""
-    from multilift.flight.screen import KEYS, screen  # noqa: PLC0415
+    from multilift.flight.screen import KEYS, kill_question, screen  # noqa: PLC0415
     from multilift.flight.supervisor import Word  # noqa: PLC0415
 
     program.say(Word.START)
@@ -135,6 +199,7 @@ def _with_pilot(program: Program) -> None:
                 key = pressed()
             except KeyboardInterrupt:
                 shown, key = program.snapshot, "q"
+            note = _second_screen(program, page)
             if shown is None:
                 continue
             if asked:
@@ -145,19 +210,13 @@ def _with_pilot(program: Program) -> None:
                 program.say(Word.LAND)
                 program.leave()
             elif key == "k":
-                asked = _kill_question(shown)
+                question = kill_question(shown)
+                asked = question and f"{question} y: yes; any other key: no"
             else:
                 for word in KEYS.get(key, ()):
                     if word.value in shown.words:
                         program.say(word)
-            live.update(screen(shown, asked), refresh=True)
-
-
-def _kill_question(shown: Snapshot) -> str:
-    armed = sum(v.armed for v in shown.vehicles)
-    if "kill" not in shown.words:
-        return ""
-    return f"Stop the motors of {armed} vehicles now? They fall. y: yes; any other key: no"
+            live.update(screen(shown, asked, note), refresh=True)
 
 
 @contextlib.contextmanager

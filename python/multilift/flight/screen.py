@@ -22,27 +22,29 @@ KEYS = {
     "k": (Word.KILL,),
 }
 
-_NAMES = {
-    Word.START.value: ("Enter", "begin the checks"),
-    Word.GO.value: ("Enter", "go"),
-    Word.HOLD.value: ("Space", "hold"),
-    Word.LAND.value: ("l", "land all"),
-    Word.KILL.value: ("k", "kill: motors off"),
+#: What the pilot may say: the key, and in words.
+NAMES = {
+    Word.START: ("Enter", "begin the checks"),
+    Word.GO: ("Enter", "go"),
+    Word.HOLD: ("Space", "hold"),
+    Word.LAND: ("l", "land all"),
+    Word.KILL: ("k", "kill: motors off"),
 }
 
-_BAD_STATES = (State.HOLD.value, State.LAND_APART.value, State.KILL.value)
+BAD_STATES = (State.HOLD.value, State.LAND_APART.value, State.KILL.value)
 _BAR = 12
 
 #: Where a margin turns yellow, and red.
-_NEAR, _AT = 0.6, 0.9
+NEAR, AT = 0.6, 0.9
 
 
-def screen(snapshot: Snapshot, asked: str = "") -> RenderableType:
+def screen(snapshot: Snapshot, asked: str = "", note: str = "") -> RenderableType:
     """All of a snapshot.
 
     Args:
         snapshot: shown.
         asked: a question to the pilot in the place of the keys; "" for none.
+        note: a line below all; "" for none.
     """
     middle = Table.grid(expand=True, padding=(0, 1))
     middle.add_column(ratio=3)
@@ -50,7 +52,14 @@ def screen(snapshot: Snapshot, asked: str = "") -> RenderableType:
     middle.add_row(
         Group(_vehicles(snapshot), _bottom(snapshot)), Group(_margins(snapshot), _rest(snapshot))
     )
-    return Group(_head(snapshot), middle, _keys(snapshot, asked))
+    below = [Text(f" {note}", style="dim")] if note else []
+    return Group(_head(snapshot), middle, _keys(snapshot, asked), *below)
+
+
+def kill_question(shown: Snapshot) -> str:
+    """What the pilot is asked before motors stop in the air; "" where there is nothing to ask."""
+    armed = sum(v.armed for v in shown.vehicles)
+    return f"Stop the motors of {armed} vehicles now? They fall." if "kill" in shown.words else ""
 
 
 def _head(shown: Snapshot) -> RenderableType:
@@ -58,7 +67,7 @@ def _head(shown: Snapshot) -> RenderableType:
     grid.add_column()
     grid.add_column(justify="center")
     grid.add_column(justify="right")
-    bad = shown.state in _BAD_STATES
+    bad = shown.state in BAD_STATES
     colours = "bold white on red" if bad else "bold black on green"
     state = Text.assemble((f" {shown.state} ", colours), f" {shown.lasted:.1f} s")
     what = Text("twin: nothing real" if shown.twin else "HARDWARE",
@@ -109,7 +118,7 @@ def _bar(margin: Margin) -> Text:
     if used is None:
         return Text("?" * _BAR, style="dim")
     full = min(round(used * _BAR), _BAR)
-    colour = "red" if used >= _AT else "yellow" if used >= _NEAR else "green"
+    colour = "red" if used >= AT else "yellow" if used >= NEAR else "green"
     return Text.assemble(("█" * full, colour), ("·" * (_BAR - full), "dim"))
 
 
@@ -168,7 +177,7 @@ def _keys(shown: Snapshot, asked: str) -> RenderableType:
         return Panel(Text(asked, style="bold white on red"), border_style="red")
     line = Text()
     for word in shown.words:
-        key, what = _NAMES[word]
+        key, what = NAMES[Word(word)]
         line.append(f" {key} ", style="reverse")
         line.append(f" {what}   ")
     line.append(" q ", style="reverse")
