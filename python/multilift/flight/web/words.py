@@ -42,7 +42,8 @@ def waiting() -> str:
 def head(shown: Snapshot, age: float) -> str:
     """What counts most: the supervisor's state, whether it is real and of now.
 
-    It is always as high, so that no button moves away from under a finger.
+    It is always as high, so that no button moves away from under a finger. Its age makes each text
+    differ from the last, though nothing else may have changed.
     """
     bad = shown.state in BAD_STATES
     kind, since = "bad" if bad else "", f"for {shown.lasted:.1f} s"
@@ -50,7 +51,7 @@ def head(shown: Snapshot, age: float) -> str:
         kind, since = "old", f"No data for {age:.0f} s: all this is of the past"
     real = ("g", "twin: nothing real") if shown.twin else ("y", "HARDWARE")
     return (
-        f'{_STYLE}<div class="ml ml-head">{_OVER}'
+        f'{_STYLE}<div class="ml ml-head" data-age="{age:.3f}">{_OVER}'
         f'<div class="ml-state {kind}"><b>{escape(shown.state)}</b><span>{since}</span></div>'
         f'<div class="ml-row">{escape(shown.scenario)} · <span class="{real[0]}">{real[1]}</span>'
         f" · <small>since the start</small> {shown.time:.1f} s</div></div>"
@@ -59,9 +60,8 @@ def head(shown: Snapshot, age: float) -> str:
 
 def rest(shown: Snapshot, age: float) -> str:
     """Vehicles, margins, motion capture, loop, checks, what happened."""
-    # The age makes each text differ from the last, though nothing else may have changed.
     return (
-        f'{_STYLE}<div class="ml" data-age="{age:.2f}">{_vehicles(shown)}{_margins(shown)}'
+        f'{_STYLE}<div class="ml" data-age="{age:.3f}">{_vehicles(shown)}{_margins(shown)}'
         f"{_sources(shown)}{_lines(shown)}</div>"
     )
 
