@@ -230,7 +230,7 @@ def test_nothing_from_outside_is_markup():
     assert text.count("&lt;img") >= 8
 
 
-def connected(page, origin, version=None):
+def connected(page, origin):
     """A client of the page's socket, as a browser opens it for a page of some origin."""
     import viser
     from websockets.sync.client import connect
