@@ -34,8 +34,7 @@ class Browser:
         self.size = size
         self._process = subprocess.Popen(
             # It paints without a graphics card: whoever flies beside it goes first.
-            ["nice", "-n", "10", FOUND, *_FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={folder}",
-             "about:blank"],
+            ["nice", "-n", "10", FOUND, *_FLAGS, f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
             env={**os.environ, "HOME": str(folder)},
         )  # fmt: skip
@@ -93,14 +92,17 @@ class Browser:
     def _middle(self, element):
         return self.run(
             f"(() => {{ const e = {element}; if (!e || e.disabled) return null;"
-            " e.scrollIntoView({block: 'center'}); const r = e.getBoundingClientRect();"
-            " return r.width ? [r.x + r.width / 2, r.y + r.height / 2] : null; })()"
+            " e.scrollIntoView({block: 'center', behavior: 'instant'});"
+            " const r = e.getBoundingClientRect(), x = r.x + r.width / 2, y = r.y + r.height / 2;"
+            " const hit = document.elementFromPoint(x, y);"
+            " return r.width && hit && e.contains(hit) ? [x, y] : null; })()"
         )
 
     def click(self, element):
         """Presses an element with the mouse once it is there and can be pressed."""
-        wait_for(lambda: self._middle(element), lambda: element)
-        x, y = self._middle(element)
+        found = []
+        wait_for(lambda: found.append(self._middle(element)) or found[-1], lambda: element)
+        x, y = found[-1]
         for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
             self._ask("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 

@@ -22,8 +22,6 @@ _LOAD, _FENCE, _STALE = (255, 240, 205), (110, 122, 140), (230, 60, 60)
 #: How often trails grow, in drawings of the rest.
 _TRAILS = 4
 
-_FAR = -1000.0
-
 
 def edges(low: Sequence[float], high: Sequence[float]) -> Array:
     """The twelve edges of a box, shape (12, 2, 3)."""

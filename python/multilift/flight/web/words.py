@@ -40,29 +40,28 @@ def waiting() -> str:
 
 
 def head(shown: Snapshot, age: float) -> str:
-    """What counts most: the supervisor's state, what is wrong, whether it is real and of now."""
+    """What counts most: the supervisor's state, whether it is real and of now.
+
+    It is always as high, so that no button moves away from under a finger. Its age makes each text
+    differ from the last, though nothing else may have changed.
+    """
     bad = shown.state in BAD_STATES
-    kind = "old" if is_stale(age) else "bad" if bad else ""
-    lines = []
+    kind, since = "bad" if bad else "", f"for {shown.lasted:.1f} s"
     if is_stale(age):
-        lines.append(
-            f'<div class="ml-line r">No data for {age:.0f} s: all this is of the past.</div>'
-        )
-    lines += [f'<div class="ml-line r">{escape(p)}</div>' for p in shown.problems[:6]]
+        kind, since = "old", f"No data for {age:.0f} s: all this is of the past"
     real = ("g", "twin: nothing real") if shown.twin else ("y", "HARDWARE")
     return (
-        f'{_STYLE}{_OVER}<div class="ml"><div class="ml-state {kind}"><b>{escape(shown.state)}</b>'
-        f"<span>for {shown.lasted:.1f} s</span></div>"
-        f'<div>{escape(shown.scenario)} · <span class="{real[0]}">{real[1]}</span> · '
-        f"<small>since the start</small> {shown.time:.1f} s</div>{''.join(lines)}</div>"
+        f'{_STYLE}<div class="ml ml-head" data-age="{age:.3f}">{_OVER}'
+        f'<div class="ml-state {kind}"><b>{escape(shown.state)}</b><span>{since}</span></div>'
+        f'<div class="ml-row">{escape(shown.scenario)} · <span class="{real[0]}">{real[1]}</span>'
+        f" · <small>since the start</small> {shown.time:.1f} s</div></div>"
     )
 
 
 def rest(shown: Snapshot, age: float) -> str:
     """Vehicles, margins, motion capture, loop, checks, what happened."""
-    # The age makes each text differ from the last, though nothing else may have changed.
     return (
-        f'{_STYLE}<div class="ml" data-age="{age:.2f}">{_vehicles(shown)}{_margins(shown)}'
+        f'{_STYLE}<div class="ml" data-age="{age:.3f}">{_vehicles(shown)}{_margins(shown)}'
         f"{_sources(shown)}{_lines(shown)}</div>"
     )
 
@@ -141,7 +140,8 @@ def _sources(shown: Snapshot) -> str:
 
 
 def _lines(shown: Snapshot) -> str:
-    found = list(_checks(shown))
+    found = [_line(escape(p), bad=True) for p in shown.problems[:6]]
+    found += _checks(shown)
     found += [_line(f"{h.time:.1f} s  {escape(h.text)}", bad=h.bad) for h in shown.happenings[-6:]]
     found += [
         _line(f"<small>{escape(v.name)}:</small> {escape(v.said[-1])}")
