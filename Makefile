@@ -12,14 +12,16 @@ SOURCES := pyproject.toml CMakeLists.txt constraints.txt \
 CXX_FILES := $(shell find core bindings -name '*.hpp' -o -name '*.cpp')
 
 .PHONY: help reproduce test test-ray test-drake fuzz lint format bench bench-growth \
-  bench-vehicles bench-study docs wheel clean
+  bench-vehicles bench-study campaign campaign-sample test-flights docs wheel clean
 
 help:
 	@echo "make reproduce   the paper's tests: figures, data, report in out/paper"
 	@echo "make test        all tests"
 	@echo "make test-ray    studies on a Ray cluster of two nodes, one of which is killed"
 	@echo "make test-drake  flights against a second multibody engine, Drake"
-	@echo "make fuzz        millions of messages that nobody should send, for every decoder"
+	@echo "make test-flights  the paper's experiments, flown through all wires"
+	@echo "make campaign    three hundred flights with faults; campaign-sample: twenty"
+	@echo "make fuzz        millions of messages and files that nobody should send or write"
 	@echo "make lint        ruff, mypy, clang-format"
 	@echo "make format      let ruff and clang-format mend what they can"
 	@echo "make bench       speed, as ratios in one run"
@@ -56,9 +58,20 @@ test-ray: $(VENV)/.with-test $(VENV)/.with-ray
 test-drake: $(VENV)/.with-test $(VENV)/.with-drake
 	$(BIN)/python -m pytest tests/test_spatial_drake.py
 
+test-flights: $(VENV)/.with-test
+	MULTILIFT_ALL_FLIGHTS=1 $(BIN)/python -m pytest -n 2 tests/test_flight_claims.py
+
+campaign: $(VENV)/.with-test
+	mkdir -p out
+	$(BIN)/python -m multilift.flight.campaign --jobs 2 --output out/campaign.csv
+
+campaign-sample: $(VENV)/.with-test
+	$(BIN)/python -m multilift.flight.campaign --flights 20 --jobs 2
+
 fuzz: $(VENV)/.with-test
 	$(BIN)/python tests/rt_fuzz.py
 	$(BIN)/python tests/fuzz_sitl.py 5000000 1
+	$(BIN)/python tests/fuzz_lab.py 2000000 1
 
 lint: $(VENV)/.with-test $(VENV)/.with-lint
 	$(BIN)/ruff check .

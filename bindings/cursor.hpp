@@ -26,6 +26,7 @@ void check_length(const Array& array, std::size_t wanted, const char* what) {
 class Reader {
  public:
   explicit Reader(const FlatIn& array) : at_(array.data()) {}
+  explicit Reader(const double* at) : at_(at) {}
   double number() { return *at_++; }
   // Braces fill in order.
   Vec3<double> vector() { return {number(), number(), number()}; }

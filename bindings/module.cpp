@@ -3,6 +3,7 @@
 
 namespace multilift::bindings {
 void bind_math(nanobind::module_& m);
+void bind_plan(nanobind::module_& m);
 void bind_planar_model(nanobind::module_& m);
 void bind_planar_control(nanobind::module_& m);
 void bind_planar_rollout(nanobind::module_& m);
@@ -41,6 +42,7 @@ NB_MODULE(_core, m) {
       },
       "Names of the batch kernels that this processor can run, widest first.");
   multilift::bindings::bind_math(m);
+  multilift::bindings::bind_plan(m);
   multilift::bindings::bind_planar_model(m);
   multilift::bindings::bind_planar_control(m);
   multilift::bindings::bind_planar_rollout(m);

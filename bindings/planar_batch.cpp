@@ -3,6 +3,7 @@
 // This file is compiled once for each instruction set, each time as an extension module of its own,
 // so that no inline function of one can stand in for another's. The arithmetic is the same in all
 // of them, and so are the bits of the results.
+#include "planar_path.hpp"
 #include "planar_rows.hpp"
 #include "run_blocks.hpp"
 
@@ -24,6 +25,8 @@ struct Job {
   std::vector<PushShapes> pushes;
   Timing timing;
   bool ideal;
+  planar::Path path;  // of the bar relative to its goal; none: the goal rests from the start
+  planar::Ages ages;
   double* metrics;
   double* audit;
   double* final_state;  // worlds x 10
@@ -56,6 +59,7 @@ class Kernel {
     const std::vector<Push<R>> pushes = pushes_from(job_.pushes, next);
 
     Law law(gains, assumed, goal, job_.timing.control_period());
+    const auto reference = reference_along(job_.path, assumed, goal, job_.ages);
     std::array<std::size_t, MULTILIFT_LANES> recorded{};
     const auto record = [&](const planar::Sample<R>& sample, const mask_t<R>& whose) {
       if (job_.samples == nullptr) return;
@@ -72,7 +76,7 @@ class Kernel {
       planar::IdealSensors<R> sensors;
       store(first, count,
             planar::rollout<true>(plant, start, goal, law, actuators, sensors, pushes, job_.timing,
-                                  record));
+                                  record, pointer_to(reference)));
     } else {
       std::array<std::uint64_t, MULTILIFT_LANES> seeds{};
       for (int k = 0; k < count; ++k)
@@ -82,7 +86,7 @@ class Kernel {
                                         job_.timing.step, seeds, start, pose_of(plant, start));
       store(first, count,
             planar::rollout<true>(plant, start, goal, law, actuators, sensors, pushes, job_.timing,
-                                  record));
+                                  record, pointer_to(reference)));
     }
   }
 
@@ -113,7 +117,9 @@ void run(const std::string& law, const Array2<const double>& rows,
          const Array2<double>& metrics, const Array2<double>& audit,
          const Array2<double>& final_state, const Array1<double>& end_time,
          const Array1<std::int8_t>& status, const Array1<std::int8_t>& culprit,
-         const nb::object& samples, unsigned threads, const nb::object& progress) {
+         const nb::object& samples, unsigned threads, const nb::object& progress,
+         const std::vector<PlanarPiece>& pieces, double path_end,
+         const std::array<double, 2>& ages) {
   Job job{rows.data(),
           rows.shape(1),
           seeds.data(),
@@ -121,6 +127,8 @@ void run(const std::string& law, const Array2<const double>& rows,
           shapes_from(pushes),
           {step, steps, control_steps, record_steps},
           ideal,
+          planar_path(pieces, path_end),
+          {ages[0], ages[1]},
           metrics.data(),
           audit.data(),
           final_state.data(),
@@ -157,8 +165,8 @@ void bind_planar_batch(nb::module_& m) {
         nb::arg("step"), nb::arg("steps"), nb::arg("control_steps"), nb::arg("record_steps"),
         nb::arg("ideal"), nb::arg("metrics"), nb::arg("audit"), nb::arg("final_state"),
         nb::arg("end_time"), nb::arg("status"), nb::arg("culprit"), nb::arg("samples").none(),
-        nb::arg("threads"), nb::arg("progress").none(),
-        "Runs every row's world and fills the arrays. Releases the GIL.");
+        nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"),
+        nb::arg("ages"), "Runs every row's world and fills the arrays. Releases the GIL.");
 }
 
 }  // namespace multilift::bindings

@@ -70,8 +70,9 @@ nb::dict energies(const Values& values, double k_lambda, const Four& k_p, const 
   const auto given = loads_from(loads);
   const auto now = motion(plant, state, pose, given);
   const planar::Storage<double> storage(plant, gains, pair_from(goal));
-  const auto formation = storage.formation(plant, state, pose);
-  auto powers = storage.powers(plant, state, pose, formation, given, now, pair_from(d_hat));
+  const auto formation = storage.formation(plant, state, pose, nullptr);
+  auto powers =
+      storage.powers(plant, state, pose, formation, given, now, pair_from(d_hat), nullptr);
   nb::dict d;
   d["mechanical"] = mechanical_energy(plant, state, pose, formation.swing);
   d["shaped"] = shaped_energy(plant, k_lambda, state, pose, formation.swing);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "planar_path.hpp"
 #include "push_names.hpp"
 
 namespace multilift::bindings {
@@ -59,6 +60,8 @@ struct Setup {
   planar::ActuatorParameters<double> actuators;
   planar::SensorParameters<double> sensors;
   std::uint64_t seed;
+  planar::Path path;  // of the bar; none: the goal rests from the start
+  planar::Ages ages;
 };
 
 template <class Law>
@@ -68,18 +71,19 @@ planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
     visit_columns(sample, [&](const Field&, double x) { table.numbers.push_back(x); });
     table.columns = table.numbers.size() - before;
   };
+  const auto reference = reference_along(s.path, s.assumed, s.goal, s.ages);
   table.numbers.reserve(48 * static_cast<std::size_t>(s.timing.steps / s.timing.record_steps + 2));
   if (s.ideal) {
     planar::IdealActuators<double> actuators(s.assumed, s.plant);
     planar::IdealSensors<double> sensors;
     return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
-                                 s.timing, record)[0];
+                                 s.timing, record, pointer_to(reference))[0];
   }
   planar::TestbedActuators<double> actuators(s.actuators, s.assumed, s.plant, s.timing.step);
   planar::TestbedSensors<double> sensors(s.sensors, s.timing.control_steps, s.timing.step, {s.seed},
                                          s.start, pose_of(s.plant, s.start));
   return planar::rollout<true>(s.plant, s.start, s.goal, law, actuators, sensors, s.pushes,
-                               s.timing, record)[0];
+                               s.timing, record, pointer_to(reference))[0];
 }
 
 nb::dict result_of(const planar::Outcome<double>& outcome, Table&& table) {
@@ -110,7 +114,9 @@ Push make_push(const std::string& body, const std::array<double, 2>& force, doub
 Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>& q,
                  const Seven<double>& q_dot, const Four& goal, std::vector<Push> pushes,
                  double step, long steps, long control_steps, long record_steps,
-                 const Values& actuators, const Values& sensors, bool ideal, std::uint64_t seed) {
+                 const Values& actuators, const Values& sensors, bool ideal, std::uint64_t seed,
+                 const std::vector<PlanarPiece>& pieces, double path_end,
+                 const std::array<double, 2>& ages) {
   const Plant<double> p = plant_from(plant);
   return {p,
           plant_from(assumed),
@@ -121,7 +127,9 @@ Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>
           ideal,
           unpack_checked<planar::ActuatorParameters<double>>(actuators, "actuators"),
           unpack_checked<planar::SensorParameters<double>>(sensors, "sensors"),
-          seed};
+          seed,
+          planar_path(pieces, path_end),
+          {ages[0], ages[1]}};
 }
 
 nb::dict run_law(const Setup& setup, const std::string& name, const Values& gains) {
@@ -152,7 +160,7 @@ nb::dict describe() {
   p.bar_mass = p.bar_length = 1.0;
   p.bar_half_thickness = 0.0;
   const Setup setup{
-      Plant<double>(p), Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0};
+      Plant<double>(p), Plant<double>(p), {}, {}, {}, {0.001, 0, 1, 1}, true, {}, {}, 0, {}, {}};
   struct Idle {
     planar::Command<double> step(const Measurement<double>&) { return {}; }
     planar::StorageGains<double> storage_gains() const { return {}; }
@@ -192,7 +200,8 @@ void bind_planar_rollout(nb::module_& m) {
       .def(nb::new_(&make_setup), nb::arg("plant"), nb::arg("assumed_plant"), nb::arg("q"),
            nb::arg("q_dot"), nb::arg("goal"), nb::arg("pushes"), nb::arg("step"), nb::arg("steps"),
            nb::arg("control_steps"), nb::arg("record_steps"), nb::arg("actuators"),
-           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"));
+           nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"), nb::arg("pieces"),
+           nb::arg("path_end"), nb::arg("ages"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
         "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),

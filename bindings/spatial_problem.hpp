@@ -29,7 +29,7 @@ namespace sp = multilift::spatial;
 /// Body (-1 the payload), shape, sample times, sample values.
 using SpatialPush = std::tuple<int, std::string, std::vector<double>, std::vector<double>>;
 /// Start, and coefficients of x, y, z, yaw.
-using SpatialPiece = std::tuple<double, std::array<std::array<double, 8>, 4>>;
+using SpatialPiece = std::tuple<double, std::array<plan::Polynomial, 4>>;
 /// What, vehicle, rotor, step.
 using SpatialHappening = std::tuple<std::string, std::size_t, std::size_t, long>;
 

@@ -3,6 +3,8 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/unique_ptr.h>
 
+#include "cursor.hpp"
+#include "multilift/sim/spatial/recorded.hpp"
 #include "spatial_problem.hpp"
 
 namespace multilift::bindings {
@@ -10,6 +12,7 @@ namespace multilift::bindings {
 namespace {
 
 using Row = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 template <class T>
 nb::ndarray<nb::numpy, double> vectors(const std::vector<T>& x) {
@@ -106,6 +109,52 @@ nb::dict run(const Frame& frame, const Row& row, std::uint64_t seed, const nb::o
   return d;
 }
 
+/// A measured flight, told as a run: each row holds time | the reference's time | payload (13) | of
+/// each vehicle position, attitude, velocity, rate, rotor speeds (17) | forces commanded (3n) |
+/// drag estimates (3n).
+nb::dict recorded(const Frame& frame, const Row& row, const Table& flown, bool complete) {
+  const std::size_t n = frame.n, width = 15 + 23 * n;
+  if (!frame.quadrotors) throw std::invalid_argument("only quadrotors fly");
+  if (flown.shape(0) == 0 || flown.shape(1) != width)
+    throw std::invalid_argument("a flight's rows take " + std::to_string(width) + " numbers");
+  auto* numbers = new std::vector<double>();
+  nb::capsule owner(numbers, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  auto problem = problem_from<double, sp::Quadrotors<double>, sp::RigidCables<double>>(
+      frame, Rows{row.data(), row.shape(0), 1}, {0});
+  if (!problem.law) throw std::invalid_argument("no compiled law is called '" + frame.law + "'");
+  const auto& setup = problem.setup;
+  sp::Recorded<double> told(setup.plant, setup.vehicles, setup.formation, setup.reference,
+                            problem.law->storage_gains());
+  sp::State<double, sp::Craft<double>> x(n);
+  std::vector<Vec3<double>> commanded(n), d_hat(n);
+  for (std::size_t k = 0; k < flown.shape(0); ++k) {
+    Reader in(flown.data() + k * width);
+    const double time = in.number(), planned = in.number();
+    x.payload.position = in.vector(), x.payload.attitude = in.quaternion();
+    x.payload.velocity = in.vector(), x.payload.rate = in.vector();
+    for (auto& craft : x.vehicle) {
+      craft.position = in.vector(), craft.attitude = in.quaternion();
+      craft.velocity = in.vector(), craft.rate = in.vector();
+      for (double& speed : craft.rotor_speed) speed = in.number();
+    }
+    for (auto& force : commanded) force = in.vector();
+    for (auto& d : d_hat) d = in.vector();
+    told.add(time, planned, x, commanded, d_hat, [&](const auto& sample) {
+      sp::visit_columns(sample, [&](const std::string&, const char*, const std::string&,
+                                    double number) { numbers->push_back(number); });
+    });
+  }
+  told.finish(complete);
+  nb::dict d, metrics, audit;
+  told.metrics().report(0, [&](const Field& f, double number) { metrics[f.name] = number; });
+  told.audit().visit([&](const Field& f, double number) { audit[f.name] = number; });
+  d["metrics"] = metrics;
+  d["audit"] = audit;
+  d["samples"] = nb::ndarray<nb::numpy, double, nb::ndim<2>>(
+      numbers->data(), {flown.shape(0), numbers->size() / flown.shape(0)}, owner);
+  return d;
+}
+
 /// Tables of names, units, ranges, shapes, defaults and meanings.
 nb::dict fields() {
   nb::dict d;
@@ -169,6 +218,8 @@ void bind_spatial_rollout(nb::module_& m) {
         nb::arg("law").none() = nb::none(),
         "One run: samples, metrics, audit, status, end time. `law` is a Python callable in place "
         "of the compiled one.");
+  m.def("spatial_recorded", &recorded, nb::arg("frame"), nb::arg("row"), nb::arg("flown"),
+        nb::arg("complete"), "A measured flight told as a run: samples, metrics, audit.");
   m.def("spatial_fields", &fields,
         "Tables of fields: (name, unit, range, shape, defaults, meaning) each; \"n\" in a shape is "
         "the number of vehicles.");

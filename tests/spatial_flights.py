@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from multilift import _core
+from multilift import _core, planning
 from multilift.models.spatial import formation
 
 FIELDS = _core.spatial_fields()
@@ -172,6 +172,11 @@ def start(team, rng=None, *, amount=1.0, goal=(0.0, 0.0, 2.0), yaw=0.0):
     return np.concatenate([x, w, v, omega]), vehicles
 
 
+def padded(coefficients):
+    """A piece's polynomial with zeros up to the degree that the core takes."""
+    return [*coefficients, *[0.0] * (planning.DEGREE + 1 - len(coefficients))]
+
+
 def fly(
     team,
     law,
@@ -226,7 +231,8 @@ def fly(
     frame = _core.SpatialFrame(
         n=n, law="" if callback else law, quadrotors=quadrotors, rigid=True, ground=False,
         motion_capture=motion_capture is not None, rotors_running=True, autopilot_steps=1,
-        pieces=list(pieces), path_end=path_end, pushes=[], happenings=[], step=step,
+        pieces=[(t, [padded(row) for row in rows]) for t, rows in pieces],
+        path_end=path_end, pushes=[], happenings=[], step=step,
         steps=round(seconds / step), control_steps=control_steps, record_steps=record_steps,
     )  # fmt: skip
     row = np.concatenate([np.ravel(np.asarray(part, dtype=float)) for part in parts])

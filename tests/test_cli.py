@@ -71,7 +71,7 @@ def test_run_under_another_law(tmp_path):
         (["run", "sim1", "--controller", "lqr"], "energy_coupled"),
         (["run", "sim1", "--controller", "nowhere.py:Law"], "does not exist"),
         (["run"], "Missing argument"),
-        (["fly"], "No such command"),
+        (["hover"], "No such command"),
         (["check", "sim1", "nowhere.toml"], "does not exist"),
         (["reproduce", "-o", "out", "--with", "nowhere.py:Law"], "does not exist"),
     ],

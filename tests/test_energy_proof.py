@@ -195,6 +195,35 @@ def test_on_the_closed_plant_the_powers_that_the_core_names_change_the_storage_f
     assert vanishes(storage_rate(estimate_rate) - powers - zero)
 
 
+def test_a_moving_reference_adds_the_power_that_the_core_names():
+    """The tracking law: xi_d + eta_d moves in the place of xi_d, with the forces along the way."""
+    moving, moving_rate, feedforward = (
+        sp.Matrix(sp.symbols(f"{name}1:5")) for name in ("r", "r_dot", "f")
+    )
+    error = eps + xi_d - moving
+    error_rate = eps_dot - moving_rate
+    tracking = -times(k_p, error) - times(k_d, error_rate) + times(d_hat, xi_dot) + feedforward
+    stored = mechanical_energy + added_energy + error.dot(times(k_p, error)) / 2
+    estimation = times(d - d_hat, xi_dot).dot(error_rate)  # (51) with the tracking error's rate
+    change = rate(stored) - times(k_p, error).dot(moving_rate) + estimation
+
+    right_sides = (u + push).col_join(sp.zeros(3, 1)) - friction
+    right_sides += lagrange.closure_jacobian.T * mu
+    closing = sp.Matrix(v[:2]) - sp.Matrix(v[2:4])
+    damping = (1 + k * kappa) * theta_dot.dot(times(d_theta, theta_dot))
+    powers = (
+        -error_rate.dot(times(k_d, error_rate))
+        - damping
+        + mu.dot(k * kappa * closing + k * (1 / m1 - 1 / m2) * swing_rate)
+        + error_rate.dot(push)
+        + error_rate.dot(u - tracking)
+        + moving_rate.dot(u - times(d, xi_dot) + push)
+        + error_rate.dot(feedforward)
+    )
+    zero = chi.dot(rows - right_sides) + (1 + k * kappa) * mu.dot(rate(lagrange.closure))
+    assert vanishes(change - powers - zero)
+
+
 def test_multipliers_are_half_the_difference_of_the_cables_forces_on_the_bar():
     # A cable's force on the bar is what its vehicle's own balance leaves of u and pushes: in the
     # first four rows, all but m a, the closure's force and the halves of the push on the bar.

@@ -107,8 +107,8 @@ OUTSIDE = "udpout:192.168.1.30:14540"
 MISTAKES = [
     ({"scenario": None}, "scenario", "exp1"),
     ({"scenario": "sim1"}, "scenario", "spatial"),
-    ({"scenario": "exp9"}, "", "sim1"),
-    ({"scenario": "\0"}, "", "exp1_1"),
+    ({"scenario": "exp9"}, "scenario", "sim1"),
+    ({"scenario": "\0"}, "scenario", "exp1_1"),
     ({"vehicles": 3}, "vehicles", "vehicle"),
     ({"vehicle": []}, "motion_capture.system", "twin"),
     ({"vehicle": {}}, "vehicle", "[[vehicle]]"),

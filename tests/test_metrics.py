@@ -40,6 +40,7 @@ def by_definition(run):
     goal, start = run.scenario.goal.vehicle_position, run.scenario.start.vehicle_position
     towards = np.sign(goal - start)
     swing = np.abs(theta[:, :2])
+    away = (np.linalg.norm(vehicles - goal, axis=2) > POSITION_BAND).any(axis=1)
     thrust = run.thrust_attitude()
     storage = run["storage"]
     return {
@@ -47,9 +48,8 @@ def by_definition(run):
         "peak_swing_2": np.abs(theta[:, 1]).max(),
         "peak_swing_3": np.abs(theta[:, 2]).max(),
         "swing_settling_time": last_time(run, (swing > SWING_BAND).any(axis=1)),
-        "position_settling_time": last_time(
-            run, (np.linalg.norm(vehicles - goal, axis=2) > POSITION_BAND).any(axis=1)
-        ),
+        "position_settling_time": last_time(run, away),
+        "combined_settling": last_time(run, away | (np.abs(theta) > SWING_BAND).any(axis=1)),
         "rest_settling_time": last_time(
             run, (np.abs(np.degrees(rates(run)[:, 4:])) > REST_BAND).any(axis=1)
         ),

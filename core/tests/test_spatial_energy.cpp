@@ -251,7 +251,7 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
   // Twice, so that the estimate has moved once.
   for (int turn = 0; turn < 2; ++turn) {
     const flat::Storage<double> of_plane(b.planar, planar_law.storage_gains(), goal);
-    const auto shared = of_plane.formation(b.planar, b.start, pose);
+    const auto shared = of_plane.formation(b.planar, b.start, pose, nullptr);
     const double planar_storage = of_plane.motion_energy(b.planar, b.start, pose, shared) +
                                   of_plane.estimation_energy(b.planar, planar_law.d_hat());
     const Plant<double> plant(b.p);
@@ -264,8 +264,8 @@ void laws_and_storage_reduce_to_the_planar_ones(Random& random) {
     CHECK_CLOSE(storage_function(plant, storage_gains, coupling, b.x, target, d_hat),
                 planar_storage, 1e-12 * size);
     const auto w = powers_of(plant, storage_gains, coupling, b.x, r.now, r.outside, target, d_hat);
-    const auto planar_w =
-        of_plane.powers(b.planar, b.start, pose, shared, r.loads, r.planar, planar_law.d_hat());
+    const auto planar_w = of_plane.powers(b.planar, b.start, pose, shared, r.loads, r.planar,
+                                          planar_law.d_hat(), nullptr);
     const double power = 1.0 + std::fabs(planar_w.push) + std::fabs(planar_w.internal) +
                          std::fabs(planar_w.dissipation) + std::fabs(planar_w.actuation);
     CHECK_CLOSE(w.dissipation + w.payload_drag, planar_w.dissipation, 1e-11 * power);

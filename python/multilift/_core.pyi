@@ -34,6 +34,73 @@ def normals(seeds: Annotated[NDArray[numpy.uint64], dict(shape=(None,), order='C
     Fills out, shape (seeds, draws, 2), with the normal numbers of these draws.
     """
 
+class PlannedWay2:
+    """A planned way; empty where none keeps to the limits."""
+
+    @property
+    def end(self) -> float:
+        """When it stands still, s; infinite behind a goal that moves."""
+
+    @property
+    def pieces(self) -> list[tuple[float, list[list[float]]]]:
+        """Start, s, and coefficients of (t - start)^0 to ^9 of each coordinate."""
+
+    def at(self, time: float) -> list[list[float]]:
+        """Each coordinate with four derivatives."""
+
+    @staticmethod
+    def timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay2: ...
+
+    @staticmethod
+    def least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay2: ...
+
+    @staticmethod
+    def move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay2: ...
+
+    @staticmethod
+    def shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
+
+    @staticmethod
+    def antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay2: ...
+
+class PlannedWay3:
+    """A planned way; empty where none keeps to the limits."""
+
+    @property
+    def end(self) -> float:
+        """When it stands still, s; infinite behind a goal that moves."""
+
+    @property
+    def pieces(self) -> list[tuple[float, list[list[float]]]]:
+        """Start, s, and coefficients of (t - start)^0 to ^9 of each coordinate."""
+
+    def at(self, time: float) -> list[list[float]]:
+        """Each coordinate with four derivatives."""
+
+    @staticmethod
+    def timed(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], duration: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def least_snap(start: Sequence[float], goal: Sequence[float], duration: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def move(start: Sequence[Sequence[float]], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], remaining: float) -> PlannedWay3: ...
+
+    @staticmethod
+    def shaped(start: Sequence[float], goal: Sequence[float], limits: Sequence[float], impulses: Sequence[tuple[float, float]], pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
+
+    @staticmethod
+    def antiswing(position: Sequence[float], velocity: Sequence[float], lean: Sequence[float], lean_rate: Sequence[float], goal: Sequence[float], goal_velocity: Sequence[float], limits: Sequence[float], ratio: float, pendulum: Sequence[float], load: bool) -> PlannedWay3: ...
+
+def plan_least_snap_duration(distance: float, limits: Sequence[float]) -> float:
+    """The shortest time of such a move within limits, s."""
+
+def shaper_impulses(kind: str, frequency: float, damping: float, tolerance: float) -> list[tuple[float, float]]:
+    """Times, s, and weights of a shaper's impulses."""
+
+def shaper_residual(impulses: Sequence[tuple[float, float]], frequency: float, damping: float) -> float:
+    """What is left of a mode's swing, as a part of that of one impulse."""
+
 def planar_plant_fields() -> list:
     """Fields of the planar plant's parameters."""
 
@@ -114,7 +181,7 @@ class PlanarPush:
 class PlanarSetup:
     """A run, less its control law."""
 
-    def __init__(self, plant: Sequence[float], assumed_plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int) -> None: ...
+    def __init__(self, plant: Sequence[float], assumed_plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], path_end: float, ages: Sequence[float]) -> None: ...
 
 def planar_rollout(setup: PlanarSetup, law: str, gains: Sequence[float]) -> dict:
     """Runs a compiled law. Releases the GIL."""
@@ -133,6 +200,9 @@ def spatial_run(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict
     """
     One run: samples, metrics, audit, status, end time. `law` is a Python callable in place of the compiled one.
     """
+
+def spatial_recorded(frame: SpatialFrame, row: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], flown: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], complete: bool) -> dict:
+    """A measured flight told as a run: samples, metrics, audit."""
 
 def spatial_fields() -> dict:
     """

@@ -1,4 +1,4 @@
-"""The command line: ``multilift run | view | study | compare | sitl | reproduce | check | ...``."""
+"""The command line: ``multilift run | view | study | compare | fly | twin | sitl | ...``."""
 
 from __future__ import annotations
 
@@ -16,9 +16,13 @@ from rich.table import Table
 import multilift as ml
 from multilift import library, storage
 from multilift.cli_compare import compare
+from multilift.cli_fly import fly, twin
+from multilift.cli_limit import limit
+from multilift.cli_replay import replay
 from multilift.cli_sitl import sitl
 from multilift.cli_view import view
 from multilift.errors import MultiliftError, ScenarioError
+from multilift.limit.output import read_time
 from multilift.options import ControllerOption, ForceOption, SetOption, load_changed
 from multilift.run import Run
 
@@ -78,12 +82,23 @@ def run(
     ] = None,
     changes: SetOption = None,
     controller: ControllerOption = None,
+    bound: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of this move's bound, of multilift limit: the settling time is "
+            "then shown as a multiple of it."
+        ),
+    ] = None,
     force: ForceOption = False,
 ) -> None:
     """Simulate one scenario; print its metrics and energy audit."""
     if output is not None:
         storage.check_target(output, force=force)
-    result = ml.simulate(load_changed(scenario, changes), controller)
+    chosen = load_changed(scenario, changes)
+    least = None if bound is None else read_time(bound, chosen.name)
+    result = ml.simulate(chosen, controller)
+    if least is not None:
+        result.compare_with(least)
     _print_run(result)
     if output is not None:
         result.save(output, force=force)
@@ -102,6 +117,21 @@ app.command(
     epilog="Examples:  multilift sitl --px4 ~/PX4-Autopilot  |  multilift sitl --ardupilot "
     "~/ardupilot --speed 0 --logs out/sitl  |  multilift sitl my.toml --px4 PATH --no-vision"
 )(sitl)
+
+app.command(
+    epilog="Examples:  multilift fly  |  multilift fly LAB.toml --log first.mcap. Keys: Enter go, "
+    "Space hold, l land all, k kill (asks), q land and leave."
+)(fly)
+
+app.command(
+    epilog="Examples:  multilift twin  |  multilift twin LAB.toml --speed 2  |  "
+    "multilift twin --yes"
+)(twin)
+
+app.command(
+    epilog="Examples:  multilift replay flight.mcap  |  multilift replay flight.mcap -o out/flight "
+    "--ulog left.ulg --ulog right.ulg"
+)(replay)
 
 
 @app.command(
@@ -191,6 +221,11 @@ def _print_study(result: Any, *, local: bool) -> None:
         )
     _out.print(f"Report: [bold]{escape(str(result.report))}[/]", soft_wrap=True)
 
+
+app.command(
+    epilog="Examples:  multilift limit sim1  |  multilift limit exp1_1 -o out/limit --beside pd "
+    "--beside energy_coupled  |  multilift limit sim2 --least swing --time 3 --forces 5,6"
+)(limit)
 
 app.command(
     epilog="Examples:  multilift compare -o out/compare  |  multilift compare uneven_four my.toml "
@@ -283,6 +318,8 @@ def _print_run(result: Run) -> None:
     table = Table("metric", "value", "unit", "meaning", box=None, header_style="bold")
     for name, quantity in result.quantities.metrics.items():
         table.add_row(name, _number(result.metrics[name]), quantity.unit, quantity.doc)
+    for quantity, value in result.beyond_metrics():
+        table.add_row(quantity.name, _number(value), quantity.unit, quantity.doc)
     table.add_section()
     for name, quantity in result.quantities.audit.items():
         table.add_row(name, _number(result.audit[name]), quantity.unit, quantity.doc)

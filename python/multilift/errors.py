@@ -49,6 +49,13 @@ class ControllerError(MultiliftError):
     """A control law that cannot be found, loaded or stepped."""
 
 
+class PlanningError(MultiliftError, ValueError):
+    """Numbers from which no move can be planned."""
+
+    def __init__(self, problem: str, permitted: str) -> None:
+        super().__init__(f"{problem}\n  permitted: {permitted}")
+
+
 class OutputError(MultiliftError, OSError):
     """A place to write to that is taken, unwritable or not ours to replace."""
 

@@ -83,6 +83,14 @@ def solve(
             where=scenario.where,
             advice="leave out [actuators] and [sensors]",
         )
+    if scenario.moves_target():
+        raise ScenarioError(
+            "is not what the adaptive reference knows: its target rests",
+            where=scenario.where,
+            key="reference.kind",
+            value=scenario["reference.kind"],
+            permitted="step",
+        )
     step_law, scenario = _stepper(controller, scenario)
     plant, pushes = scenario.plant_values(), scenario.values["push"]
     surplus = _shares(scenario.controller.assumed) - _shares(scenario["plant"])

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from multilift import provenance, storage
 from multilift.controllers import PythonLaw
 from multilift.errors import MissingExtraError, ScenarioError
+from multilift.quantities import Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,6 +54,7 @@ class Run:
         self.status = str(result["status"])
         self.culprit = int(result["culprit"])
         self.end_time = float(result["end_time"])
+        self._least_time: float | None = None
         self.metrics: dict[str, float] = dict(result["metrics"])
         self.audit: dict[str, float] = dict(result["audit"])
         columns = result.get("columns")  # where they were saved
@@ -62,6 +64,26 @@ class Run:
         if isinstance(law, PythonLaw):
             for name in self.quantities.law_columns:  # of what a law of one's own does not tell
                 del self._columns[name]
+
+    def compare_with(self, least_time: float) -> None:
+        """Compares its combined settling with a move's bound, where it is shown or saved.
+
+        Args:
+            least_time: of the time-optimal move of this scenario (`multilift.limit`), s.
+        """
+        self._least_time = least_time
+
+    def beyond_metrics(self) -> list[tuple[Quantity, float]]:
+        """What is shown after the metrics: the move's bound, and the settling as its multiple."""
+        if self._least_time is None:
+            return []
+        multiple = self.metrics["combined_settling"] / self._least_time
+        return [
+            (Quantity("least_time", "s", "bound: the time-optimal move, from rest to rest"),
+             self._least_time),
+            (Quantity("settling_multiple", "", "combined_settling in parts of the bound"),
+             multiple),
+        ]  # fmt: skip
 
     @property
     def quantities(self) -> Quantities:
@@ -137,6 +159,7 @@ class Run:
             "end_time": self.end_time,
             "metrics": {k: finite(v) for k, v in self.metrics.items()},
             "audit": {k: finite(v) for k, v in self.audit.items()},
+            **{quantity.name: finite(v) for quantity, v in self.beyond_metrics()},
             **{k: finite(v) for k, v in self.residuals.items()},
         }
 

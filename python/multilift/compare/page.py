@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-import base64
-import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import jinja2
 from markupsafe import Markup
 
 from multilift import provenance
 from multilift.compare import tables
 from multilift.compare.tuning import ERROR, SWING, Tuned
 from multilift.packed import resource
+from multilift.report import html
 from multilift.study.summary import toml_inline
 
 if TYPE_CHECKING:
     from multilift.compare.run import Comparison
 
 _LONG = 60  # numbers: a set of gains beyond them is in its file alone
-
-
-@dataclass(frozen=True)
-class _Image:
-    base64: str
-    width: int
-    height: int
 
 
 def render(result: Comparison, figures: Mapping[str, bytes]) -> str:
@@ -37,9 +27,7 @@ def render(result: Comparison, figures: Mapping[str, bytes]) -> str:
         result: what to show.
         figures: PNGs by the tasks' names.
     """
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+    environment = html.environment()
     content = result.to_json()
     names = " ".join(task.scenario.where for task in result.tasks)
     return environment.from_string(resource("multilift.compare", "page.html.j2")).render(
@@ -49,7 +37,7 @@ def render(result: Comparison, figures: Mapping[str, bytes]) -> str:
         legend=tables.LEGEND,
         cells=lambda entry: tables.cells(entry, result.draws),
         change=_change,
-        images={name: _image(png) for name, png in figures.items()},
+        images={name: html.image(png) for name, png in figures.items()},
         contenders=list({r.contender.name: r.contender for t in result.tasks for r in t.results}
                         .values()),
         error=ERROR,
@@ -73,8 +61,3 @@ def _change(r: Tuned) -> str:
 
 def _size(value: Any) -> int:
     return sum(map(_size, value)) if isinstance(value, list) else 1
-
-
-def _image(png: bytes) -> _Image:
-    width, height = struct.unpack(">II", png[16:24])
-    return _Image(base64.b64encode(png).decode("ascii"), width, height)

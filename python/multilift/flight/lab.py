@@ -24,6 +24,9 @@ from multilift.models.spatial.scenario import SpatialScenario
 _TEXTS = ("name", "title")
 _KEYS = ("schema", *_TEXTS, "scenario", *TABLES)
 
+#: Letters of a scenario's name that an error shows.
+_SHOWN = 200
+
 
 @dataclass(frozen=True)
 class LabVehicle:
@@ -67,6 +70,7 @@ class Limits:
     link_age: float
     hold: float
     battery: float
+    round_trip: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -100,8 +104,19 @@ class Lab:
         return self.vehicles[0].address is None
 
 
-def load(path: str | Path) -> Lab:
+#: What is flown where no other lab is named: nothing real.
+DEFAULT = Path(__file__).with_name("default_lab.toml")
+
+#: What of a vehicle and of motion capture is hardware.
+_HARDWARE = ("address", "hover_thrust", "thrust_curve", "battery_voltage")
+
+
+def load(path: str | Path, *, twin: bool = False) -> Lab:
     """Reads and checks a lab file.
+
+    Args:
+        path: of the file.
+        twin: whether hardware that it names is left out, so that nothing in it is real.
 
     Raises:
         ScenarioError: for a missing or unreadable file and anything wrong in it.
@@ -109,7 +124,22 @@ def load(path: str | Path) -> Lab:
     file = Path(path)
     raw = library.read(file, str(path))
     raw.setdefault("name", file.stem)
-    return parse(raw, str(path), file.parent)
+    lab = parse(raw, str(path), file.parent)
+    return parse(_without_hardware(raw), str(path), file.parent) if twin else lab
+
+
+def _without_hardware(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """A checked lab's tables with a twin in the place of what is real."""
+    soft = {key: value for key, value in raw.items() if key != "security"}
+    if "vehicle" in raw:
+        soft["vehicle"] = [
+            {key: value for key, value in vehicle.items() if key not in _HARDWARE}
+            for vehicle in raw["vehicle"]
+        ]
+    if "motion_capture" in raw:
+        payload = raw["motion_capture"].get("payload")
+        soft["motion_capture"] = {} if payload is None else {"payload": payload}
+    return soft
 
 
 def parse(raw: Mapping[str, Any], where: str, folder: Path) -> Lab:
@@ -172,7 +202,14 @@ def _scenario(raw: Mapping[str, Any], where: str, folder: Path) -> SpatialScenar
         flown = scenario.load(beside if _is_file(beside) else name)
     except (OSError, ValueError) as error:
         if isinstance(error, ScenarioError):
-            raise
+            # What is wrong in a scenario's own file is said of that file.
+            shipped = [shown.stem for shown in library.files()]
+            if _is_file(beside) or name in shipped:
+                raise
+            raise ScenarioError(
+                "is neither shipped nor a file beside this one", where=where, key="scenario",
+                value=name[:_SHOWN], permitted="a TOML file, or one of " + ", ".join(shipped),
+            ) from None  # fmt: skip
         raise ScenarioError(f"cannot be read: {error}", where=where, key="scenario",
                             value=name) from None  # fmt: skip
     if not isinstance(flown, SpatialScenario):

@@ -150,8 +150,15 @@ def check_limits(limits: Mapping[str, Any], flown: SpatialScenario, where: str) 
 
 
 def _places(flown: SpatialScenario) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Where the vehicles and the payload start and end, shape (2 n + 2, 3), m."""
+    """Where the vehicles and the payload start and end, shape (2 n + 2, 3), m.
+
+    A goal below the floor, by which a law presses what has landed onto it, is reached at the floor.
+    """
     start = np.array(flown.values["start"]["payload_position"])
     goal = np.array(flown.values["goal"]["payload_position"])
     offsets = flown.rest.offset[0]
-    return np.concatenate([start + offsets, goal + offsets, [start, goal]])
+    places = np.concatenate([start + offsets, goal + offsets, [start, goal]])
+    ground = flown.values["ground"]
+    if ground["present"]:
+        places[:, 2] = np.maximum(places[:, 2], ground["height"])
+    return places

@@ -73,6 +73,8 @@ LIMITS = Table(
               default=0.15),
         Field("link_age", "of the last heartbeat of any vehicle", unit="s", range="positive",
               default=2.5),
+        Field("round_trip", "to a vehicle and back, the median of half a second", unit="s",
+              range="positive", default=0.25),
         Field("hold", "how long to wait in hold before landing apart", unit="s", range="positive",
               default=3.0),
         Field("battery", "least charge at which to arm", range="non_negative", default=0.3),

@@ -7,6 +7,27 @@ since its last write to disk, `FLUSH_PERIOD`.
 
 While it grows the file is plain, so that every whole record counts; at the end it is written anew
 with index and compression. `read` takes both.
+
+Topics of a flight; JSON but for the first two; world ENU, body FLU, SI, quaternions scalar first:
+
+- ``in/vehicle_K``, ``out/vehicle_K``: MAVLink datagrams of vehicle K, counted from 1.
+- ``lab``, once: ``name``, ``title``, ``twin``, ``speed``, and ``scenario``, the TOML of what is
+  flown.
+- ``mocap``, a frame: ``number``, ``captured`` by the capture system's clock, ``bodies`` by our
+  names, each position and attitude. The record's time is that of arrival.
+- ``estimate``, a tick: ``age``, ``quality`` and ``fault`` of the worst body; ``bodies``, each
+  position, velocity, attitude, angular rate in body axes; ``swing`` and ``tension`` of each cable.
+- ``supervisor``, a tick: ``state``, how long it has ``lasted``, ``orders`` of the vehicles,
+  ``may_send``, ``problems``, ``word`` of the pilot, the law's ``swing``, ``armed``, ``link_age``
+  and ``charge`` of the vehicles.
+- ``wanted``, a tick that steers: ``force`` of each vehicle, where each ``vehicle`` and the
+  ``payload`` (null while it stands) shall be, ``yaw``. With the state "fly", ``lasted`` is the
+  scenario's time.
+- ``timing``, ten a second: what the loop has measured since it began, as
+  `multilift.flight.snapshot.Timing`.
+- ``error``: ``text`` of what ended motion capture.
+- ``truth``, stepped twins only: ``vehicle``, ``vehicle_attitude``, ``payload``,
+  ``payload_attitude``, ``tension``, ``taut``, ``standing`` as the plant has them.
 """
 
 from __future__ import annotations

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from multilift.controllers import CompiledLaw, PythonLaw
+    from multilift.limit.bounds import Limits
+    from multilift.limit.move import Move
     from multilift.overrides import Columns
     from multilift.quantities import Quantities
     from multilift.replay.scene import Scene
@@ -168,6 +170,38 @@ class Model(ABC):
     @abstractmethod
     def simulate(self, scenario: Scenario, law: CompiledLaw | PythonLaw) -> Run:
         """Runs a scenario under a law that `controllers.resolve` found."""
+
+    def move(self, scenario: Scenario, limits: Limits) -> Move:
+        """The scenario's move as an optimal control problem (`multilift.limit`).
+
+        Raises:
+            ScenarioError: if this model has none, or the scenario or the limits leave no move.
+        """
+        raise ScenarioError(
+            "is a plant without equations for a bound", where=scenario.where, key="plant.model",
+            value=self.name, permitted="planar or spatial",
+        )  # fmt: skip
+
+    def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
+        """Values of a scenario in which forces act at once and nothing disturbs or ends a move."""
+        raise NotImplementedError
+
+    def thrust_limit(self, scenario: Scenario) -> tuple[str, float]:
+        """The key that limits a vehicle's thrust, and the greatest that it permits any, N."""
+        raise NotImplementedError
+
+    def command_peaks(self, run: Run) -> tuple[float, ...]:
+        """The greatest force commanded along each axis, beyond what holds a vehicle at rest, N."""
+        raise NotImplementedError
+
+    def arrival(self, run: Run, row: int) -> Mapping[str, float]:
+        """How far a run is from rest at its goal in one of its rows.
+
+        Returns:
+            ``position``, the farthest vehicle from its goal, m; ``speed``, the fastest vehicle's,
+            m/s; ``swing``, the greatest angle of the load, deg.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def culprits(self, scenario: Scenario) -> int:

@@ -36,6 +36,7 @@ _METRICS: dict[str, tuple[str, int, bool | None, bool]] = {
     "peak_swing_3": ("Peak deflection of the bar", 2, True, False),
     "swing_settling_time": ("Swing settled", 1, True, True),
     "position_settling_time": ("Position settled", 1, True, True),
+    "combined_settling": ("All of these settled", 1, True, True),
     "rest_settling_time": ("Load at rest", 1, True, False),
     "overshoot": ("Overshoot", 3, True, True),
     "swing_integral": ("Integral of swing", 1, True, False),

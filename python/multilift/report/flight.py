@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import base64
-import struct
 from functools import partial
 from typing import TYPE_CHECKING
 
-import jinja2
 from markupsafe import Markup
 
 from multilift.packed import resource
 from multilift.replay import scene_of
 from multilift.replay.page import render as render_replay
+from multilift.report import html
 from multilift.report.text import inline, number
 
 if TYPE_CHECKING:
@@ -31,22 +29,24 @@ def render(run: Run, figure: bytes) -> str:
     Raises:
         ScenarioError: if its model has none.
     """
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["inline"] = inline
-    environment.filters["value"] = partial(number, digits=3)
-    width, height = struct.unpack(">II", figure[16:24])
+    environment = html.environment({"inline": inline, "value": partial(number, digits=3)})
+    overview = html.image(figure)
     names = run.quantities
     return environment.from_string(resource(_HERE, "flight.html.j2")).render(
         run=run,
         scenario=run.scenario,
         replay=render_replay(scene_of(run)),
-        figure=base64.b64encode(figure).decode("ascii"),
-        width=width,
-        height=height,
+        figure=overview.base64,
+        width=overview.width,
+        height=overview.height,
         tables=[
-            ("Metrics", [(q, run.metrics[name]) for name, q in names.metrics.items()]),
+            (
+                "Metrics",
+                [
+                    *((q, run.metrics[name]) for name, q in names.metrics.items()),
+                    *run.beyond_metrics(),
+                ],
+            ),
             ("Energy audit", [(q, run.audit[name]) for name, q in names.audit.items()]),
             ("Residuals", [(q, run.residuals[name]) for name, q in names.residuals.items()]),
         ],

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import base64
 import re
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 
-import jinja2
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from multilift import models
 from multilift.packed import resource, safe_json, script
+from multilift.report import html
 from multilift.report.contents import Claim, Figure, Page, PaperTest
 from multilift.report.embed import drawn_note, page_data
 from multilift.report.tables import Row, audit_rows, key_table, metric_row, missing_notes
@@ -34,30 +32,21 @@ _VERDICTS = {
 
 
 @dataclass(frozen=True)
-class _Image:
-    figure: Figure
-    width: int
-    height: int
-    base64: str
-
-
-@dataclass(frozen=True)
 class _TestView:
     test: PaperTest
     id: str
     short: str
-    images: list[_Image]
+    images: list[tuple[Figure, html.Image]]
     metrics: list[Row]
     missing: list[str]
     audit: list[Row]
     drawn: str
 
 
-def _image(figure: Figure) -> _Image:
+def _image(figure: Figure) -> html.Image:
     if figure.png[:8] != _PNG_SIGNATURE or len(figure.png) < 24:
         raise ValueError(f"{figure.number}: the figure's bytes are not a PNG file")
-    width, height = struct.unpack(">II", figure.png[16:24])
-    return _Image(figure, width, height, base64.b64encode(figure.png).decode("ascii"))
+    return html.image(figure.png)
 
 
 def _test_view(page: Page, test: PaperTest, max_points: int) -> _TestView:
@@ -66,7 +55,7 @@ def _test_view(page: Page, test: PaperTest, max_points: int) -> _TestView:
         test,
         "test-" + re.sub(r"[^a-z0-9]+", "-", test.key.lower()).strip("-"),
         test.short or test.title,
-        [_image(figure) for figure in test.figures],
+        [(figure, _image(figure)) for figure in test.figures],
         metrics,
         missing_notes(metrics),
         audit_rows(page, test),
@@ -121,14 +110,10 @@ def render(page: Page, *, max_points: int = 1500) -> str:
     view = models.by_name(page.model).view()
     views = [_test_view(page, test, max_points) for test in page.tests]
     _check(page, views)
-    environment = jinja2.Environment(
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    environment = html.environment(
+        {"inline": inline, "paragraphs": paragraphs, "relative": _relative},
         keep_trailing_newline=True,
     )
-    environment.filters |= {"inline": inline, "paragraphs": paragraphs, "relative": _relative}
     return environment.from_string(resource(_HERE, "template.html.j2")).render(
         page=page,
         views=views,

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import math
-import struct
-from dataclasses import dataclass
 from importlib import resources
 
-import jinja2
 from markupsafe import Markup
 
 from multilift import provenance
-from multilift.report import law_styles
+from multilift.report import html, law_styles
 from multilift.report.text import inline, listed, number
 from multilift.study import figures
 from multilift.study.figures import Drawing
@@ -20,14 +16,6 @@ from multilift.study.statistics import Interval
 from multilift.study.store import Store, write_whole
 from multilift.study.summary import PROBABILITIES, Summary, toml_inline
 from multilift.study.vary import Vary
-
-
-@dataclass(frozen=True)
-class _Image:
-    drawing: Drawing
-    width: int
-    height: int
-    base64: str
 
 
 def write(store: Store, summary: Summary) -> None:
@@ -47,18 +35,15 @@ def write(store: Store, summary: Summary) -> None:
 def render(store: Store, summary: Summary, drawings: list[Drawing]) -> str:
     """The page; it loads nothing from anywhere."""
     study = store.study
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
+    environment = html.environment({
         "inline": inline, "percent": percent, "interval": interval, "value": value,
         "signed": signed, "toml": toml_inline,
-    }  # fmt: skip
+    })  # fmt: skip
     laws = list(study.controllers)
     return environment.from_string(_text("multilift.study", "page.html.j2")).render(
         study=study,
         summary=summary,
-        images=[_image(d) for d in drawings],
+        images=[(d, html.image(d.png)) for d in drawings],
         lead=lead(summary),
         styles=law_styles(laws),
         labels={law: figures.style(laws, law).label for law in laws},
@@ -134,11 +119,6 @@ def value(x: float) -> str:
 def signed(x: float) -> str:
     """As `value`, with its sign."""
     return ("+" if x > 0 else "") + value(x)
-
-
-def _image(drawing: Drawing) -> _Image:
-    width, height = struct.unpack(">II", drawing.png[16:24])
-    return _Image(drawing, width, height, base64.b64encode(drawing.png).decode("ascii"))
 
 
 def _text(package: str, name: str) -> str:

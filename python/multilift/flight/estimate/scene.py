@@ -21,3 +21,12 @@ def estimator_for(scenario: SpatialScenario, tuning: Tuning | None = None) -> Es
         for name, (x, y, z) in zip(vehicles, scenario.values["plant"]["attachment"], strict=True)
     ]
     return Estimator([*vehicles, PAYLOAD], cables, tuning)
+
+
+def tuning_for(scenario: SpatialScenario) -> Tuning:
+    """The tuning for what the scenario says of its motion capture; as it is for what it does not.
+
+    Nothing here can measure how late poses are at the least: the scenario says so.
+    """
+    delay = float(scenario.values["motion_capture"]["delay"])
+    return Tuning(latency=delay) if delay else Tuning()

@@ -19,8 +19,9 @@ _ENOUGH = 10
 #: Longest way there and back that says anything, s.
 _SLOW = 0.1
 
-#: How far the believed samples may lie apart, s.
-_AGREE = 0.002
+#: How far the believed samples may lie apart, s: a radio's jitter. A pose that is stamped so far
+#: off is a few millimetres off.
+_AGREE = 0.005
 
 #: So many samples in a row beyond `_JUMP` and the other clock was set anew.
 _JUMPS = 5

@@ -7,8 +7,10 @@ are of the caller's monotonic clock, in seconds, which the vehicle also gets its
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from statistics import median
 from typing import Any, Protocol
 
 from pymavlink.dialects.v20 import common as mavlink
@@ -34,6 +36,9 @@ OWN_COMPONENT = mavlink.MAV_COMP_ID_MISSIONPLANNER
 #: How often a heartbeat and a time request go out, s.
 _HEARTBEAT = 0.5
 _TIMESYNC = 0.1
+
+#: How many exchanges say how long the way is.
+_TRIPS = 5
 
 #: After so long without a message another source may speak for the vehicle, s.
 _PEER_LAPSES = 3.0
@@ -158,6 +163,7 @@ class VehicleLink:
     texts: Texts = field(default_factory=Texts)
     saturated: bool = False
     time_requests: int = 0
+    _trips: deque[float] = field(default_factory=lambda: deque(maxlen=_TRIPS))
     _now: float = -math.inf
     _next_heartbeat: float = -math.inf
     _next_timesync: float = -math.inf
@@ -310,6 +316,11 @@ class VehicleLink:
         """Whether it is in a mode that follows us."""
         return self.status.mode in self.peer.firmware.fly_modes
 
+    @property
+    def round_trip(self) -> float:
+        """Median time to it and back of the last few exchanges, s; 0 before the first."""
+        return median(self._trips) if self._trips else 0.0
+
     def age(self, now: float) -> float:
         """Time since its last heartbeat, s."""
         return now - self.status.heartbeat
@@ -332,6 +343,7 @@ class VehicleLink:
         sent = self._asked.pop(message.ts1, None)
         if sent is not None:
             self.clock.sees(sent, message.tc1 * 1e-9, now)
+            self._trips.append(now - sent)
 
     def _command_ack(self, message: Any, now: float) -> None:
         self.commands.sees(message.command, message.result, now)

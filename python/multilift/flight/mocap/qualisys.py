@@ -56,7 +56,7 @@ async def frames(settings: Settings) -> AsyncIterator[Frame]:
         places = body_places(xml, settings, where)
         await connection.stream_frames(
             components=["6dres"],
-            on_packet=lambda packet: put(_frame(packet, places, settings)),
+            on_packet=lambda packet: put(frame_of(packet, places, settings, time.monotonic())),
         )
         while (frame := await arrived.get()) is not None:
             yield frame
@@ -91,8 +91,15 @@ def body_places(xml: bytes | str, settings: Settings, where: str) -> dict[str, i
     return places
 
 
-def _frame(packet: Any, places: dict[str, int], settings: Settings) -> Frame:
-    received = time.monotonic()
+def frame_of(packet: Any, places: dict[str, int], settings: Settings, received: float) -> Frame:
+    """A packet of the client as a frame of ours.
+
+    Args:
+        packet: a ``QRTPacket`` with 6DRes.
+        places: at which place in it each of our bodies stands.
+        settings: its axes.
+        received: when it came, s.
+    """
     found = packet.get_6d_residual()
     bodies = {}
     rows: Sequence[Any] = found[1] if found else ()

@@ -14,6 +14,9 @@ from multilift.flight.supervisor.states import FLYING, MOST_TIME, WAYS, Event, S
 #: How long a hold that cannot help lasts, s.
 _USELESS_HOLD = 0.5
 
+#: How long where nothing can be sent, s: vehicles go on leaning as they last were told to.
+_BLIND_HOLD = 0.1
+
 #: How long a vehicle must look past saving before its thrust is cut, s.
 _SURE = 0.3
 
@@ -92,6 +95,11 @@ class Supervisor:
     def __post_init__(self) -> None:
         self._forget()
 
+    @property
+    def lasted(self) -> float:
+        """How long the state has, s."""
+        return self._now - self._since if math.isfinite(self._since) else 0.0
+
     def _forget(self) -> None:
         self._armed_at, self._by_itself = math.inf, False
         self._doomed, self._cut = [None] * self.count, [False] * self.count
@@ -134,7 +142,8 @@ class Supervisor:
             Event.DONE: seen.done,
             Event.TOO_LONG: lasted >= MOST_TIME[self.state],
             Event.HOLD_OVER: lasted >= self.limits.hold
-            or (lasted >= _USELESS_HOLD and trouble.makes_hold_useless(seen, self.limits)),
+            or (lasted >= _USELESS_HOLD and trouble.makes_hold_useless(seen, self.limits))
+            or (lasted >= _BLIND_HOLD and not trouble.is_fresh(seen, self.limits)),
         }
         return happens[event]
 

@@ -36,6 +36,7 @@ class VehicleSeen:
         charge: of its battery, 0 to 1.
         boots: how often it has begun anew.
         problems: what else speaks against arming, in words.
+        round_trip: to it and back, s.
     """
 
     link_age: float
@@ -50,6 +51,7 @@ class VehicleSeen:
     charge: float = 1.0
     boots: int = 0
     problems: tuple[str, ...] = ()
+    round_trip: float = 0.0
 
 
 @dataclass(frozen=True)

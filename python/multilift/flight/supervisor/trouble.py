@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from multilift.flight.lab import Limits
 from multilift.flight.supervisor.seen import Seen, VehicleSeen
@@ -52,24 +53,46 @@ def is_past_saving(vehicle: VehicleSeen, seen: Seen, limits: Limits) -> bool:
     return finite and (vehicle.tilt > _OVERTURNED or outside(vehicle, limits) > _FLOWN_AWAY)
 
 
-def before_flight(seen: Seen, limits: Limits) -> Iterator[str]:
-    """What speaks against arming, in words."""
-    yield from _captured(seen, limits)
+@dataclass(frozen=True)
+class Check:
+    """One pre-flight check.
+
+    Attributes:
+        name: what is looked at.
+        trouble: what speaks against arming, in words; "" where it is passed.
+    """
+
+    name: str
+    trouble: str
+
+
+def checks(seen: Seen, limits: Limits) -> Iterator[Check]:
+    """All pre-flight checks."""
+    captured = "; ".join(_captured(seen, limits))
+    yield Check("motion capture", captured)
     for k, v in enumerate(seen.vehicles, 1):
         told = [
-            (not 0.0 <= v.link_age <= limits.link_age, "no heartbeat"),
-            (v.armed, "is armed already"),
-            (not v.follows, "does not take set-points yet"),
-            (v.failsafe, "is in a failsafe"),
-            (v.landed is False, "is not on the ground"),
-            (not v.charge >= limits.battery, "battery low"),
-            (outside(v, limits) > 0.0, "outside the fence"),
-            (not v.tilt <= limits.tilt, "not level"),
+            ("heartbeat", not 0.0 <= v.link_age <= limits.link_age, "no heartbeat"),
+            ("round trip", not v.round_trip <= limits.round_trip, "link too slow"),
+            ("disarmed", v.armed, "is armed already"),
+            ("takes set-points", not v.follows, "does not take set-points yet"),
+            ("no failsafe", v.failsafe, "is in a failsafe"),
+            ("on the ground", v.landed is False, "is not on the ground"),
+            ("battery", not v.charge >= limits.battery, "battery low"),
+            ("inside the fence", outside(v, limits) > 0.0, "outside the fence"),
+            ("level", not v.tilt <= limits.tilt, "not level"),
         ]
-        yield from (f"vehicle {k}: {text}" for is_so, text in told if is_so)
-        yield from (f"vehicle {k}: {text}" for text in v.problems)
-    if not separation(seen) > limits.separation:
-        yield "vehicles too close"
+        for name, is_so, text in told:
+            yield Check(f"vehicle {k}: {name}", f"vehicle {k}: {text}" if is_so else "")
+        told_by_link = "; ".join(f"vehicle {k}: {text}" for text in v.problems)
+        yield Check(f"vehicle {k}: parameters and clock", told_by_link)
+    close = not separation(seen) > limits.separation
+    yield Check("separation", "vehicles too close" if close else "")
+
+
+def before_flight(seen: Seen, limits: Limits) -> Iterator[str]:
+    """What speaks against arming, in words."""
+    return (check.trouble for check in checks(seen, limits) if check.trouble)
 
 
 def in_flight(seen: Seen, limits: Limits, state: State, boots: tuple[int, ...]) -> Iterator[str]:
@@ -88,6 +111,7 @@ def in_flight(seen: Seen, limits: Limits, state: State, boots: tuple[int, ...]) 
     for k, (v, before) in enumerate(zip(seen.vehicles, boots, strict=True), 1):
         told = [
             (not 0.0 <= v.link_age <= limits.link_age, "link lost"),
+            (not v.round_trip <= limits.round_trip, "link too slow"),
             (v.boots != before, "began anew"),
             (v.failsafe, "is in a failsafe"),
             (in_air and not v.armed, "disarmed"),
@@ -105,9 +129,11 @@ def in_flight(seen: Seen, limits: Limits, state: State, boots: tuple[int, ...]) 
 
 
 def makes_hold_useless(seen: Seen, limits: Limits) -> bool:
-    """Whether holding cannot help: nothing can be sent, or someone does not follow."""
+    """Whether holding cannot help: nothing can be sent in time, or someone does not follow."""
     lost = any(
-        not (v.follows and v.armed and 0.0 <= v.link_age <= limits.link_age) for v in seen.vehicles
+        not v.round_trip <= limits.round_trip
+        or not (v.follows and v.armed and 0.0 <= v.link_age <= limits.link_age)
+        for v in seen.vehicles
     )
     close = not separation(seen) >= limits.separation
     return lost or close or is_blind(seen, limits) or not is_fresh(seen, limits)

@@ -101,6 +101,7 @@ class TwinAutopilot:
         unix: time of day at its start, for signatures, s.
         voltage: of its battery, V.
         charge: of its battery, 0 to 1.
+        strength: what its battery leaves of a command's thrust.
         armed, mode: as its heartbeat says.
         parameters: by name.
         ignored: set-points for others, or of which it takes no part.
@@ -115,6 +116,7 @@ class TwinAutopilot:
     unix: float = 0.0
     voltage: float = 15.8
     charge: float = 0.95
+    strength: float = 1.0
     armed: bool = False
     mode: int = field(init=False)
     parameters: dict[str, float] = field(init=False)
@@ -234,12 +236,15 @@ class TwinAutopilot:
         if not self.armed:
             return Drive(body.attitude, 0.0)
         if self.mode in self.firmware.fly_modes and self._descent is None:
-            return Drive(*self._wanted)
-        if self._descent is None:
-            self._descent = Descent(max(self._wanted[1], self.hover))
-        velocity = body.velocity if self.sees else None
-        drive = self._descent.step(body.attitude, velocity, body.velocity[2], elapsed)
-        return Drive(*drive)
+            attitude, thrust = self._wanted
+        else:
+            if self._descent is None:
+                self._descent = Descent(max(self._wanted[1], self.hover))
+            velocity = body.velocity if self.sees else None
+            attitude, thrust = self._descent.step(
+                body.attitude, velocity, body.velocity[2], elapsed
+            )
+        return Drive(attitude, min(thrust * self.strength, 1.0))
 
     # What it says.
 
@@ -352,6 +357,9 @@ class TwinAutopilot:
             refusal = self._arm(message.param1 == 1.0, message.param2 == _BOTH_FORCED)
         elif message.command == mavlink.MAV_CMD_DO_SET_MODE:
             refusal = self._take_mode(message)
+        elif message.command == mavlink.MAV_CMD_NAV_LAND:
+            self._change(self.firmware.land_mode)
+            refusal = ""
         else:
             self._acknowledge(message.command, mavlink.MAV_RESULT_UNSUPPORTED)
             return
@@ -383,7 +391,7 @@ class TwinAutopilot:
         return refusal
 
     def _take_mode(self, message: Any) -> str:
-        if message.param1 != 1.0:
+        if message.param1 % 2.0 != 1.0:  # the flag of a custom mode, the lowest one
             return "Mode denied: not custom"
         if self.firmware is PX4:
             mode = int(message.param2) << 16 | int(message.param3) << 24

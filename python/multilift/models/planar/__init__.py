@@ -24,6 +24,8 @@ from multilift.steps import Steps
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from multilift.limit.bounds import Limits
+    from multilift.limit.move import Move
     from multilift.replay.scene import Scene
     from multilift.report.contents import View
 
@@ -62,6 +64,28 @@ class Planar(Model):
 
     def differentiate(self, scenario: Scenario, keys: Sequence[str]) -> Mapping[str, Any]:
         return gradient.differentiate(planar_only(scenario, "multilift.gradient"), keys)
+
+    def move(self, scenario: Scenario, limits: Limits) -> Move:
+        from multilift.models.planar import move  # noqa: PLC0415 - needs CasADi
+
+        return move.move(planar_only(scenario, "multilift.limit"), limits)
+
+    def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
+        return {"actuators": {}, "sensors": {}, "push": []}
+
+    def thrust_limit(self, scenario: Scenario) -> tuple[str, float]:
+        return "actuators.thrust_max", float(scenario.values["actuators"]["thrust_max"])
+
+    def command_peaks(self, run: Run) -> tuple[float, ...]:
+        return tuple(
+            max(float(np.abs(run[name]).max()) for name in names)
+            for names in (("u1", "u3"), ("u2", "u4"))
+        )
+
+    def arrival(self, run: Run, row: int) -> Mapping[str, float]:
+        from multilift.models.planar import move  # noqa: PLC0415 - few runs are a move's
+
+        return move.arrival(cast("PlanarRun", run), row)
 
     def culprits(self, scenario: Scenario) -> int:
         return endings.CULPRITS

@@ -72,6 +72,19 @@ def check_goal(values: dict[str, Any], where: str) -> None:
         )
 
 
+def check_reference(values: dict[str, Any], where: str) -> None:
+    """Parts that are no parts."""
+    for key in ("tolerance", "damping_ratio"):
+        if values["reference"][key] >= 1.0:
+            raise ScenarioError(
+                "is no part",
+                where=where,
+                key=f"reference.{key}",
+                value=values["reference"][key],
+                permitted="< 1",
+            )
+
+
 def check_pushes(values: dict[str, Any], where: str) -> None:
     """Profiles that are not complete, and torques on vehicles, which are point masses."""
     for k, push in enumerate(values["push"]):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift import isa, keys
+from multilift.errors import ScenarioError
 from multilift.fields import Field
 from multilift.gradient import COUNTED, REFUSED, no_number, push_refusal, refusal
 from multilift.models.planar import layout
@@ -25,7 +26,9 @@ from multilift.models.planar.tables import (
 )
 
 #: Metrics without a derivative: they count integration steps, so that they stand still and jump.
-WITHOUT_DERIVATIVE = ("swing_settling_time", "position_settling_time", "rest_settling_time")
+WITHOUT_DERIVATIVE = (
+    "swing_settling_time", "position_settling_time", "combined_settling", "rest_settling_time",
+)  # fmt: skip
 
 #: Keys that cannot be differentiated along, with the reason.
 _REFUSED = {
@@ -38,6 +41,14 @@ _REFUSED = {
 
 def differentiate(scenario: PlanarScenario, along: Sequence[str]) -> dict[str, Any]:
     """See `multilift.models.Model.differentiate`."""
+    if scenario.moves_target():
+        raise ScenarioError(
+            "is worked out before the run in plain numbers, without derivatives",
+            where=scenario.where,
+            key="reference.kind",
+            value=scenario["reference.kind"],
+            permitted="step",
+        )
     values, sources = numbers(scenario)
     tangents = np.array([tangent(scenario, key, sources) for key in along])
     simulation = scenario.values["simulation"]

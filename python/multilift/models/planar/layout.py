@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multilift import _core, layout, pushes
+from multilift.errors import ScenarioError
 from multilift.models.planar import geometry
+from multilift.models.planar.scenario import planar_only
 from multilift.models.planar.tables import (
     ACTUATORS,
     GOAL,
@@ -56,10 +58,31 @@ def check_worlds(columns: Columns) -> None:
     Raises:
         ScenarioError: for the first world that no scenario file may hold.
     """
+    refuse_moved_paths(columns)
     with np.errstate(all="ignore"):  # what is not finite is caught by the comparisons
         bad = _bad_limits(columns) | layout.bad_timing(columns) | _bad_delays(columns)
         bad |= pushes.bad_worlds(columns) | _bad_torques(columns)
     layout.refuse_first(columns, bad)
+
+
+def refuse_moved_paths(columns: Columns) -> None:
+    """A path is worked out once for all worlds, from the scenario's own start and goal.
+
+    Raises:
+        ScenarioError: where worlds would need paths of their own.
+    """
+    scenario = columns.scenario
+    if not planar_only(scenario, "this batch").moves_target():
+        return
+    for field in (*START.fields, *GOAL.fields[:1]):
+        key = f"{'goal' if field in GOAL.fields else 'start'}.{field.name}"
+        if columns.is_own(key):
+            raise ScenarioError(
+                "differs from world to world, but the reference's path is the same for all",
+                where=scenario.where,
+                key=key,
+                advice='use reference.kind = "step", or a batch for each path',
+            )
 
 
 def _bad_limits(columns: Columns) -> NDArray[np.bool_]:
@@ -173,6 +196,8 @@ def run_worlds(
 ) -> None:
     """See `multilift.models.Model.run_worlds`."""
     table, seeds = rows(columns, worlds)
+    scenario = planar_only(columns.scenario, "this batch")
+    pieces, path_end = scenario.path
     kernel.run(
         law=columns.scenario.law,
         rows=table,
@@ -186,4 +211,7 @@ def run_worlds(
         **results,
         threads=threads,
         progress=progress,
+        pieces=pieces,
+        path_end=path_end,
+        ages=scenario.ages(),
     )

@@ -25,6 +25,7 @@ def simulate(scenario: PlanarScenario, law: CompiledLaw | PythonLaw) -> PlanarRu
 def _setup(scenario: PlanarScenario) -> _core.PlanarSetup:
     values = scenario.values
     steps = Steps.of(scenario)
+    pieces, path_end = scenario.path
     return _core.PlanarSetup(
         plant=scenario.plant_values(),
         assumed_plant=scenario.assumed_values(),
@@ -53,4 +54,7 @@ def _setup(scenario: PlanarScenario) -> _core.PlanarSetup:
         sensors=flatten(values["sensors"], SENSORS.fields),
         ideal=scenario.is_ideal(),
         seed=values["simulation"]["seed"],
+        pieces=pieces,
+        path_end=path_end,
+        ages=scenario.ages(),
     )

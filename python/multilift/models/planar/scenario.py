@@ -6,10 +6,11 @@ import numpy as np
 
 from multilift import pushes, validation
 from multilift.errors import ScenarioError
-from multilift.models.planar import checks, geometry, linear, tables
+from multilift.models.planar import checks, geometry, linear, references, tables
 from multilift.models.planar.geometry import Vector
 from multilift.scenario import Scenario
 from multilift.schema import flatten
+from multilift.splines import Piece
 
 
 class PlanarScenario(Scenario):
@@ -18,10 +19,12 @@ class PlanarScenario(Scenario):
     Attributes:
         q_start: the seven coordinates at the start, shape (7,), m and rad.
         q_dot_start: their rates, shape (7,), m/s and rad/s.
+        path: the pieces of the bar's way to its goal, and when it ends, s; none for a step.
     """
 
     q_start: Vector
     q_dot_start: Vector
+    path: tuple[list[Piece], float]
 
     def _check(self) -> None:
         values, where = self.values, self.where
@@ -31,6 +34,15 @@ class PlanarScenario(Scenario):
             values["plant"], self.plant_values(), values["start"], where
         )
         checks.check_goal(values, where)
+        checks.check_reference(values, where)
+        self.path = references.pieces(
+            values,
+            self.plant_values(),
+            self.assumed_values(),
+            self.q_start,
+            self.q_dot_start,
+            where,
+        )
         linear.check_step(self, where)
         counts = validation.check_timing(self.model, values, where)
         checks.check_capacity(values, counts, where)
@@ -55,6 +67,15 @@ class PlanarScenario(Scenario):
     def goal_vector(self) -> Vector:
         """[y1d, z1d, y2d, z2d], m."""
         return np.ravel(np.array(self.values["goal"]["vehicle_position"]))
+
+    def ages(self) -> tuple[float, float]:
+        """How far ahead the law gives forces along the way and how old its measurements are, s."""
+        reference = self.values["reference"]
+        return float(reference["lead"]), float(reference["measured_delay"])
+
+    def moves_target(self) -> bool:
+        """Whether the target takes a way to the goal."""
+        return bool(self.path[0])
 
     def is_ideal(self) -> bool:
         """True where actuators and sensors have no imperfection, so that none is simulated."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from multilift import _core, pushes
 from multilift.fields import Field
 from multilift.models import LawInfo
@@ -42,6 +44,39 @@ GOAL = Table(
               "z1 - l1 = z2 - l2; the load then hangs with nonzero angles", "flag", default=False),
     ),
 )  # fmt: skip
+REFERENCE = Table(
+    "reference",
+    "how the bar's target gets to the goal, the vehicles with it",
+    (
+        Field("kind", "step: at once; flat: one smooth move; least_snap: one with the least "
+              "greatest snap, from rest; zv, zvd, ei: the vehicles' smooth move split by an input "
+              "shaper; antiswing: a move in two parts, from any state of swing; waypoints: "
+              "smoothly through all", "text", default="step",
+              choices=("step", "flat", "least_snap", "zv", "zvd", "ei", "antiswing",
+                       "waypoints")),
+        Field("start", "when it begins", unit="s", range="non_negative", default=0.0),
+        Field("duration", "of flat and least_snap; left out: the shortest within the limits",
+              unit="s", range="positive"),
+        Field("speed_max", "of the bar's way if flat or least_snap, of the vehicles' if shaped or "
+              "antiswing", unit="m/s", range="positive", default=1.0),
+        Field("acceleration_max", "likewise", unit="m/s^2", range="positive", default=1.0),
+        Field("jerk_max", "likewise", unit="m/s^3", range="positive", default=4.0),
+        Field("snap_max", "likewise; antiswing has none for its second part", unit="m/s^4",
+              range="positive", default=np.inf),
+        Field("tolerance", "of ei: what it leaves of the swing where frequency and damping are "
+              "right, below 1", range="non_negative", default=0.05),
+        Field("damping_ratio", "of antiswing, as a part of the swing's critical damping, below 1",
+              range="positive", default=0.7),
+        Field("lead", "by how much the law gives the forces along the way ahead of time, for "
+              "actuators that lag", unit="s", range="non_negative", default=0.0),
+        Field("measured_delay", "how old the law takes its measurements to be: it compares them "
+              "with where the target was then", unit="s", range="non_negative", default=0.0),
+        Field("times", "of waypoints: when each is reached, ascending, after start", kind="list",
+              unit="s"),
+        Field("points", "of waypoints: y and z of vehicle 1 at each, one after the other; the last "
+              "one is its goal", kind="list"),
+    ),
+)  # fmt: skip
 ACTUATORS = Table(
     "actuators",
     "from the command u to thrust and attitude; left out: u acts at once, without limits",
@@ -79,8 +114,9 @@ PUSH_NUMBERS = tuple(
 )
 
 TABLES = {
-    t.name: t for t in (PLANT, START, GOAL, SIMULATION, ACTUATORS, SENSORS, ASSUMED, PUSH)
-}  # fmt: skip
+    t.name: t
+    for t in (PLANT, START, GOAL, REFERENCE, SIMULATION, ACTUATORS, SENSORS, ASSUMED, PUSH)
+}
 LAWS = {
     name: LawInfo(title, core_fields(gains)) for name, (title, gains) in _core.planar_laws().items()
 }

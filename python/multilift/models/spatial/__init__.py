@@ -30,6 +30,8 @@ from multilift.steps import Steps
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from multilift.limit.bounds import Limits
+    from multilift.limit.move import Move
     from multilift.replay.scene import Scene
 
 __all__ = ["MODEL", "FlyingLaw", "Spatial", "SpatialWorld"]
@@ -85,6 +87,31 @@ class Spatial(Model):
 
     def differentiate(self, scenario: Scenario, keys: Sequence[str]) -> Mapping[str, Any]:
         return gradient.differentiate(spatial_only(scenario, "multilift.gradient"), keys)
+
+    def move(self, scenario: Scenario, limits: Limits) -> Move:
+        from multilift.models.spatial import move  # noqa: PLC0415 - needs CasADi
+
+        return move.move(spatial_only(scenario, "multilift.limit"), limits)
+
+    def unhindered(self, scenario: Scenario) -> Mapping[str, Any]:
+        return {
+            "vehicle.kind": "ideal", "start.rotors": "running",
+            **{name: {} for name in ("link", "motion_capture", "wind", "safety", "ground")},
+            "push": [], "event": [],
+        }  # fmt: skip
+
+    def thrust_limit(self, scenario: Scenario) -> tuple[str, float]:
+        return "limits.thrust_max", float(max(scenario.values["limits"]["thrust_max"]))
+
+    def command_peaks(self, run: Run) -> tuple[float, ...]:
+        from multilift.models.spatial import move  # noqa: PLC0415 - few runs are a move's
+
+        return move.command_peaks(cast("SpatialRun", run))
+
+    def arrival(self, run: Run, row: int) -> Mapping[str, float]:
+        from multilift.models.spatial import move  # noqa: PLC0415 - few runs are a move's
+
+        return move.arrival(cast("SpatialRun", run), row)
 
     def culprits(self, scenario: Scenario) -> int:
         return 1

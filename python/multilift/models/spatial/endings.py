@@ -15,4 +15,5 @@ def reason(status: str) -> str:
         "finished": "",
         "collision": "vehicles, or a vehicle and a cable, came too close",
         "diverged": "diverged",
+        "left": "the flight left its course",
     }[status]

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 #: Metrics without a derivative: they count steps or impacts, so that they stand still and jump.
 WITHOUT_DERIVATIVE = (
-    "swing_settling_time", "position_settling_time", "payload_settling_time", "slack_time",
-    "impacts",
+    "swing_settling_time", "position_settling_time", "combined_settling",
+    "payload_settling_time", "slack_time", "impacts",
 )  # fmt: skip
 
 _AHEAD = "it is worked out before the run, in plain numbers"

@@ -1,26 +1,25 @@
 """The payload's way to its goal, as polynomials in time relative to the goal.
 
-A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^7, in m and rad.
+A piece is (start, coefficients of x, y, z, yaw), coefficients of (t - start)^0 to ^9, in m and rad.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from multilift import planning, splines
 from multilift.errors import MissingExtraError, ScenarioError
+from multilift.models.references import needed, waypoints
+from multilift.splines import Piece
 
 Array = NDArray[np.float64]
-Piece = tuple[float, list[list[float]]]
-
-DEGREE = 7
 
 #: From 0 to 1 with velocity, acceleration and jerk zero at both ends: the least snap there is.
-_REST_TO_REST = np.array([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])
+_REST_TO_REST = np.array([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0, 0.0, 0.0])
 
 #: Between two samples of a curve that no polynomial is, s.
 _SAMPLE = 0.05
@@ -44,38 +43,17 @@ def _offset(values: dict[str, Any]) -> Array:
     return np.append(position, start["payload_yaw"] - goal["payload_yaw"])
 
 
-def _needed(values: dict[str, Any], key: str, where: str) -> Any:
-    value = values["reference"][key]
-    if value is None or value == []:
-        raise ScenarioError(
-            "is missing",
-            where=where,
-            key=f"reference.{key}",
-            advice=f"a reference of kind {values['reference']['kind']!r} needs it",
-        )
-    return value
-
-
 def _step(_: dict[str, Any], __: str) -> tuple[list[Piece], float]:
     return [], 0.0
 
 
 def _min_snap(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
-    duration = _needed(values, "duration", where)
+    duration = needed(values["reference"], "duration", where)
     start = values["reference"]["start"]
-    shape = -_REST_TO_REST / duration ** np.arange(DEGREE + 1)
+    shape = -_REST_TO_REST / duration ** np.arange(planning.DEGREE + 1)
     shape[0] += 1.0
     moved = np.outer(_offset(values), shape)
-    return _wait(values, [(start, moved.tolist())]), start + duration
-
-
-def _wait(values: dict[str, Any], way: list[Piece]) -> list[Piece]:
-    """The way with a rest at its beginning until it starts."""
-    start = way[0][0]
-    if start == 0.0:
-        return way
-    still = [[row[0], *[0.0] * DEGREE] for row in way[0][1]]
-    return [(0.0, still), *way]
+    return splines.wait([(start, moved.tolist())]), start + duration
 
 
 def _jerk_limited(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
@@ -115,39 +93,21 @@ def _jerk_limited(values: dict[str, Any], where: str) -> tuple[list[Piece], floa
         left = -np.array([profile.p[k], profile.v[k], profile.a[k] / 2, profile.j[k] / 6])
         left = left / distance
         left[0] += 1.0
-        rows = np.outer(offset, np.append(left, np.zeros(DEGREE - 3)))
+        rows = np.outer(offset, np.append(left, np.zeros(planning.DEGREE - 3)))
         way.append((time, rows.tolist()))
         time += length
-    return _wait(values, way), time
+    return splines.wait(way), time
 
 
 def _waypoints(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
-    times = np.array(_needed(values, "times", where))
-    points = np.array(_needed(values, "points", where))
-    if points.size != 4 * times.size or (np.diff(times, prepend=0.0) <= 0).any():
-        raise ScenarioError(
-            f"has {points.size} numbers for {times.size} times",
-            where=where,
-            key="reference.points",
-            value=points.tolist(),
-            permitted="four numbers, x, y, z, yaw, for each of the ascending times above 0",
-        )
     goal = np.append(values["goal"]["payload_position"], values["goal"]["payload_yaw"])
-    way = np.vstack([_offset(values), points.reshape(-1, 4) - goal])
-    if np.abs(way[-1]).max() > 1e-9:
-        raise ScenarioError(
-            "does not end at the goal",
-            where=where,
-            key="reference.points",
-            value=points[-4:].tolist(),
-            permitted=f"the last four numbers: {goal.tolist()}",
-        )
-    return _spline(values, np.append(0.0, times), way)
+    time, way = waypoints(values["reference"], _offset(values), goal, "x, y, z, yaw", where)
+    return _spline(values, time, way)
 
 
 def _around(curve: Callable[[Array, float], Array]) -> Callable[..., tuple[list[Piece], float]]:
     def build(values: dict[str, Any], where: str) -> tuple[list[Piece], float]:
-        duration = _needed(values, "duration", where)
+        duration = needed(values["reference"], "duration", where)
         reference = values["reference"]
         if np.abs(_offset(values)).max() > 1e-9:
             raise ScenarioError(
@@ -179,20 +139,9 @@ def _figure_eight(angle: Array, length: float) -> Array:
 
 def _spline(values: dict[str, Any], time: Array, way: Array) -> tuple[list[Piece], float]:
     """Through all points with the least snap, at rest at both ends: a spline of degree 7."""
-    try:
-        from scipy.interpolate import make_interp_spline  # noqa: PLC0415
-    except ImportError:
-        raise MissingExtraError("scipy", "plan", "this reference") from None
-    still = [(order, np.zeros(4)) for order in (1, 2, 3)]
-    spline = make_interp_spline(time, way, k=DEGREE, bc_type=(still, still))
     start = values["reference"]["start"]
-    begins = np.unique(spline.t)[:-1]
-    # The Taylor series at the beginning of each piece, which is all of it.
-    rows = np.array([spline(begins, nu=k) / math.factorial(k) for k in range(DEGREE + 1)])
-    result: list[Piece] = [
-        (start + float(begin), rows[:, k].T.tolist()) for k, begin in enumerate(begins)
-    ]
-    return _wait(values, result), start + float(time[-1])
+    result = [(start + begin, rows) for begin, rows in splines.least_snap(time, way)]
+    return splines.wait(result), start + float(time[-1])
 
 
 _KINDS: dict[str, Callable[[dict[str, Any], str], tuple[list[Piece], float]]] = {

@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 class SpatialRun(Run):
     """Trajectory, metrics and audit of a spatial run; see :class:`multilift.Run`.
 
-    ``status`` is "finished", "collision" or "diverged".
+    ``status`` is "finished", "collision" or "diverged"; of a flight that was measured also "left",
+    if it left the scenario's course.
     """
 
     scenario: SpatialScenario

@@ -3,7 +3,8 @@
 //     u = -K_p eps - K_d eps_dot + Phi d_hat - K_i integral(eps)           (55), (71), Remark 6
 //     d/dt d_hat = -Gamma Phi eps_dot,   Phi = diag(velocities)            (51), (72)
 //
-// A law decides what eps is. Estimate and integral advance by forward Euler once a control period.
+// and, on a way, the forces that it takes. A law decides what eps is. Estimate and integral advance
+// by forward Euler once a control period.
 #pragma once
 
 #include "multilift/control/planar/measurement.hpp"
@@ -64,6 +65,8 @@ class AdaptiveFeedback {
       d_hat_[i] -= R(period_) * scale(gains_.gamma[i], scale(velocity, power[i]));
       integrate(i, error.eps[i], measured.saturated[i]);
     }
+    if (measured.target != nullptr)
+      for (std::size_t i = 0; i < 2; ++i) u[i] += measured.target->feedforward[i];
     return u;
   }
 

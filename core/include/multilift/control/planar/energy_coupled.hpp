@@ -34,9 +34,10 @@ class EnergyCoupled {
 
   MULTILIFT_INLINE Command<R> step(const Measurement<R>& measured) {
     Swing<R> swing = swing_of(assumed_, measured.angle, measured.theta_dot);
-    return feedback_.step(
-        unified_error(coupling_, swing, measured.vehicle, measured.vehicle_velocity, goal_),
-        measured);
+    UnifiedError<R> error =
+        unified_error(coupling_, swing, measured.vehicle, measured.vehicle_velocity, goal_);
+    if (measured.target != nullptr) follow(error, coupling_, goal_, *measured.target);
+    return feedback_.step(error, measured);
   }
 
   StorageGains<R> storage_gains() const { return feedback_.storage_gains(k_lambda_); }

@@ -16,6 +16,7 @@ struct Measurement {
   std::array<SinCos<R>, 3> angle;                      // sine and cosine of theta
   std::array<R, 3> theta_dot{R(0.0), R(0.0), R(0.0)};  // rad/s
   std::array<mask_t<R>, 2> saturated{};                // vehicle i's last command hit a limit
+  const Target<R>* target{nullptr};                    // where all shall be; null: at the goal
 
   /// Pairs every sensed number with another measurement's.
   template <class F>

@@ -35,11 +35,9 @@ class MomentumCoupled {
 
   MULTILIFT_INLINE Command<R> step(const Measurement<R>& measured) {
     const Swing<R> swing = swing_of(assumed_, measured.angle, measured.theta_dot);
-    const UnifiedError<R> y =
-        common_motion(assumed_, follow_, swing,
-                      {measured.vehicle[0] - goal_[0], measured.vehicle[1] - goal_[1]},
-                      measured.vehicle_velocity)
-            .error;
+    const UnifiedError<R> y = common_motion(assumed_, follow_, swing, measured.vehicle,
+                                            measured.vehicle_velocity, goal_, measured.target)
+                                  .error;
     UnifiedError<R> error = y;
     const Vec2<R> more = lead_ * weighed_mean(gains_.k_p, y.eps);
     const Vec2<R> more_rate = lead_ * weighed_mean(gains_.k_d, y.eps_dot);

@@ -22,6 +22,7 @@ class Pd {
       error.eps[i] = measured.vehicle[i] - goal_[i];
       error.eps_dot[i] = measured.vehicle_velocity[i];
     }
+    if (measured.target != nullptr) follow(error, {R(0.0), R(0.0)}, goal_, *measured.target);
     return feedback_.step(error, measured);
   }
 

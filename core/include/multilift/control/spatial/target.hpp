@@ -7,41 +7,13 @@
 #include "multilift/math/rotation.hpp"
 #include "multilift/math/sincos.hpp"
 #include "multilift/model/spatial/parameters.hpp"
+#include "multilift/plan/path.hpp"
 
 namespace multilift::spatial {
 
 /// The payload's way as polynomials in time, piece by piece, relative to its goal: all zero is a
 /// step to the goal. Worlds side by side share it.
-struct Path {
-  static constexpr std::size_t degree = 7;
-  using Polynomial = std::array<double, degree + 1>;  // coefficients of (t - start)^k
-
-  struct Piece {
-    double start;                          // s
-    std::array<Polynomial, 4> coordinate;  // x, y, z, m, and yaw, rad, relative to the goal
-  };
-  std::vector<Piece> pieces;  // ascending; each holds until the next one, the last one for good
-  double end{0.0};            // s; the last piece stands still from here on
-
-  /// A coordinate and its first four time derivatives.
-  std::array<double, 5> at(std::size_t coordinate, double time) const {
-    if (pieces.empty()) return {};
-    std::size_t k = pieces.size() - 1;
-    while (k > 0 && time < pieces[k].start) --k;
-    const bool over = end <= time;
-    const double t = (over ? end : time) - pieces[k].start;
-    const Polynomial& c = pieces[k].coordinate[coordinate];
-    std::array<double, 5> value{};
-    for (std::size_t j = degree + 1; j-- > 0;) {  // Horner's rule with its derivatives
-      value[4] = value[4] * t + 4.0 * value[3];
-      value[3] = value[3] * t + 3.0 * value[2];
-      value[2] = value[2] * t + 2.0 * value[1];
-      value[1] = value[1] * t + value[0];
-      value[0] = value[0] * t + c[j];
-    }
-    return over ? std::array<double, 5>{value[0], 0.0, 0.0, 0.0, 0.0} : value;
-  }
-};
+using Path = plan::Path<4>;
 
 /// How the vehicles stand about the payload at rest, in the payload's level frame.
 template <Real R>
@@ -103,8 +75,8 @@ class Reference {
   void at(double time, Target<R>& target) const {
     const R zero(0.0);
     target.moves = !stands();
-    std::array<std::array<double, 5>, 4> way;
-    for (std::size_t c = 0; c < 4; ++c) way[c] = path_.at(c, time);
+    std::array<plan::Derivatives, 4> way{};
+    if (target.moves) way = path_.at(time);
     const auto derivative = [&](std::size_t order) {
       return Vec3<R>{R(way[0][order]), R(way[1][order]), R(way[2][order])};
     };

@@ -8,12 +8,11 @@
 // where y_p is the mean of the y_i weighed by K_p. No force inside the formation moves the common
 // centre of mass, so that none appears in
 //
-//     dS/dt = -sum y_i_dot' K_d y_i_dot - g y_d_dot' (sum K_d) y_d_dot - sum d_theta_i
-//     theta_dot_i^2
-//             + push + actuation + adaptation,
+//     dS/dt = -sum y_i_dot' K_d y_i_dot - g y_d_dot' (sum K_d) y_d_dot
+//             - sum d_theta_i theta_dot_i^2 + push + actuation + adaptation + reference,
 //
-// whatever masses, cables and motion. docs/certify derives it; tests/test_momentum_proof.py proves
-// it.
+// whatever masses, cables and motion. docs/momentum-law derives it; tests/test_momentum_proof.py
+// proves it.
 #pragma once
 
 #include "multilift/model/planar/energy.hpp"
@@ -55,18 +54,31 @@ struct CommonMotion {
   Vec2<R> velocity;
 };
 
-/// `follow` is a; `vehicle` are positions less goals.
+/// `follow` is a; `target` is null where the goal rests. On a way, vehicles and load are measured
+/// against where they shall be; the velocity of the common centre of mass stays its own.
 template <Real R>
 MULTILIFT_INLINE CommonMotion<R> common_motion(const Plant<R>& p, const R& follow,
                                                const Swing<R>& swing,
                                                const std::array<Vec2<R>, 2>& vehicle,
-                                               const std::array<Vec2<R>, 2>& vehicle_velocity) {
-  const Vec2<R> centre = common_centre(p, vehicle, swing.displacement);
+                                               const std::array<Vec2<R>, 2>& vehicle_velocity,
+                                               const std::array<Vec2<R>, 2>& goal,
+                                               const Target<R>* target) {
   const Vec2<R> velocity = common_centre(p, vehicle_velocity, swing.rate);
-  const Vec2<R> shift = follow * centre, shift_rate = follow * velocity;
+  std::array<Vec2<R>, 2> error{vehicle[0] - goal[0], vehicle[1] - goal[1]};
+  std::array<Vec2<R>, 2> rate = vehicle_velocity;
+  Swing<R> apart = swing;
+  if (target != nullptr) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      error[i] = vehicle[i] - target->vehicle[i];
+      rate[i] -= target->vehicle_velocity[i];
+    }
+    apart.displacement -= target->swing.displacement;
+    apart.rate -= target->swing.rate;
+  }
+  const Vec2<R> shift = follow * common_centre(p, error, apart.displacement);
+  const Vec2<R> shift_rate = follow * common_centre(p, rate, apart.rate);
   return {swing,
-          {{vehicle[0] - shift, vehicle[1] - shift},
-           {vehicle_velocity[0] - shift_rate, vehicle_velocity[1] - shift_rate}},
+          {{error[0] - shift, error[1] - shift}, {rate[0] - shift_rate, rate[1] - shift_rate}},
           velocity};
 }
 
@@ -83,10 +95,9 @@ class MomentumStorage {
         plain_(p, gains.feedback, goal) {}
 
   MULTILIFT_INLINE CommonMotion<R> formation(const Plant<R>& p, const State<R>& state,
-                                             const Pose<R>& pose) const {
-    return common_motion(p, follow_, swing_of(p, state, pose),
-                         {pose.vehicle[0] - goal_[0], pose.vehicle[1] - goal_[1]},
-                         pose.vehicle_velocity);
+                                             const Pose<R>& pose, const Target<R>* target) const {
+    return common_motion(p, follow_, swing_of(p, state, pose), pose.vehicle, pose.vehicle_velocity,
+                         goal_, target);
   }
 
   MULTILIFT_INLINE R estimation_energy(const Plant<R>& p,
@@ -108,7 +119,8 @@ class MomentumStorage {
 
   MULTILIFT_INLINE Powers<R> powers(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
                                     const CommonMotion<R>& motion, const Loads<R>& loads,
-                                    const Motion<R>&, const std::array<Vec2<R>, 2>& d_hat) const {
+                                    const Motion<R>&, const std::array<Vec2<R>, 2>& d_hat,
+                                    const Target<R>* target) const {
     const PerVehicle &k_p = gains_.feedback.k_p, &k_d = gains_.feedback.k_d;
     const auto& [eps, rate] = motion.error;
     const Vec2<R> mean = weighed_mean(k_p, eps), mean_rate = weighed_mean(k_d, rate);
@@ -130,6 +142,13 @@ class MomentumStorage {
       w.push = dot(loads.bar_push, state.bar_velocity - follow_ * motion.velocity) +
                loads.bar_torque * state.theta_dot[2] + dot(rate[0], loads.vehicle_push[0]) +
                dot(rate[1], loads.vehicle_push[1]);
+    if (target != nullptr) {
+      const Vec2<R> shift =
+          follow_ * common_centre(p, target->vehicle_velocity, target->swing.rate);
+      add_reference(w, p, pose, rate,
+                    {target->vehicle_velocity[0] - shift, target->vehicle_velocity[1] - shift},
+                    loads, *target);
+    }
     return w;
   }
 

@@ -3,7 +3,7 @@
 // Written for the constrained plant. Along any motion the storage function (49) obeys
 //
 //     d/dt V = -eps_dot' K_d eps_dot - (1 + k_lambda kappa) sum d_theta_i theta_dot_i^2     (57)
-//              + internal + push + actuation + adaptation
+//              + internal + push + actuation + adaptation + reference
 //
 // with kappa = 4/m3 + 1/m1 + 1/m2. `internal` is the term that (57) lacks: the difference of the
 // cables' forces on the bar times the rate at which the formation deforms, and, for unequal
@@ -110,6 +110,33 @@ MULTILIFT_INLINE UnifiedError<R> unified_error(const std::array<R, 2>& coupling,
           each<R>(both(vehicle_velocity) - both(coupling) * both(swing.rate))};
 }
 
+/// Where vehicles and load shall be at an instant, and the forces that take them along.
+template <Real R>
+struct Target {
+  std::array<Vec2<R>, 2> vehicle;           // xi_id, m
+  std::array<Vec2<R>, 2> vehicle_velocity;  // m/s
+  std::array<Vec2<R>, 2> feedforward;       // u that the motion takes, N
+  Swing<R> swing;                           // of the load on its way
+};
+
+/// The rate of the unified reference xi_id + eta_d, m/s.
+template <Real R>
+std::array<Vec2<R>, 2> reference_rate(const std::array<R, 2>& coupling, const Target<R>& target) {
+  return each<R>(both(target.vehicle_velocity) - both(coupling) * both(target.swing.rate));
+}
+
+/// Turns an error from a resting goal into one from a target that moves: both vehicles and load are
+/// measured against where they shall be.
+template <Real R>
+MULTILIFT_NOINLINE void follow(UnifiedError<R>& error, const std::array<R, 2>& coupling,
+                               const std::array<Vec2<R>, 2>& goal, const Target<R>& target) {
+  const auto rate = reference_rate(coupling, target);
+  for (std::size_t i = 0; i < 2; ++i) {
+    error.eps[i] += goal[i] - target.vehicle[i] + coupling[i] * target.swing.displacement;
+    error.eps_dot[i] -= rate[i];
+  }
+}
+
 /// What changes the storage function, W; integrated over time, J.
 template <Real R>
 struct Powers {
@@ -118,6 +145,7 @@ struct Powers {
   R push{0.0};         // pushes on vehicles and bar
   R actuation{0.0};    // eps_dot . (u applied - u of the law at this instant)
   R adaptation{0.0};   // estimate held between control instants, against (51)
+  R reference{0.0};    // of a moving reference
 
   template <class Self, class V>
   static void visit(Self& self, V&& v) {
@@ -134,16 +162,18 @@ struct Powers {
             "estimate updated at control instants, against (51); for a law without a storage "
             "function, the work of the vehicles' drag"},
       self.adaptation);
+    v(Field{"reference", "J", Range::any, "of a moving reference"}, self.reference);
   }
 
   friend Powers operator+(const Powers& a, const Powers& b) {
-    return {a.dissipation + b.dissipation, a.internal + b.internal, a.push + b.push,
-            a.actuation + b.actuation, a.adaptation + b.adaptation};
+    return {a.dissipation + b.dissipation, a.internal + b.internal,     a.push + b.push,
+            a.actuation + b.actuation,     a.adaptation + b.adaptation, a.reference + b.reference};
   }
   friend Powers operator*(const R& k, const Powers& a) {
-    return {k * a.dissipation, k * a.internal, k * a.push, k * a.actuation, k * a.adaptation};
+    return {k * a.dissipation, k * a.internal,   k * a.push,
+            k * a.actuation,   k * a.adaptation, k * a.reference};
   }
-  R total() const { return dissipation + internal + push + actuation + adaptation; }
+  R total() const { return dissipation + internal + push + actuation + adaptation + reference; }
 };
 
 /// What energies and powers share at one state.
@@ -152,6 +182,22 @@ struct Formation {
   Swing<R> swing;
   UnifiedError<R> error;
 };
+
+/// A moving reference drives with its rate whatever acts on the vehicles, and with eps_dot the
+/// force that it asks for, which the law adds on purpose.
+template <Real R>
+MULTILIFT_NOINLINE void add_reference(Powers<R>& w, const Plant<R>& p, const Pose<R>& pose,
+                                      const std::array<Vec2<R>, 2>& eps_dot,
+                                      const std::array<Vec2<R>, 2>& rate, const Loads<R>& loads,
+                                      const Target<R>& target) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    Vec2<R> force = loads.u[i] - scale(p.vehicle_drag[i], pose.vehicle_velocity[i]);
+    if (loads.pushed) force += loads.vehicle_push[i];
+    const R wanted = dot(eps_dot[i], target.feedforward[i]);
+    w.reference += dot(rate[i], force) + wanted;
+    w.actuation -= wanted;
+  }
+}
 
 /// The storage function (49) of a law on a plant and the powers that change it, with the products
 /// of gains and masses found once.
@@ -169,10 +215,14 @@ class Storage {
     for (std::size_t k = 0; k < 3; ++k) swing_damping_[k] = weight_ * p.swing_damping[k];
   }
 
+  /// `target` is null where the goal rests, here and below.
   MULTILIFT_INLINE Formation<R> formation(const Plant<R>& p, const State<R>& state,
-                                          const Pose<R>& pose) const {
+                                          const Pose<R>& pose, const Target<R>* target) const {
     Swing<R> swing = swing_of(p, state, pose);
-    return {swing, unified_error(coupling_, swing, pose.vehicle, pose.vehicle_velocity, goal_)};
+    Formation<R> formation{
+        swing, unified_error(coupling_, swing, pose.vehicle, pose.vehicle_velocity, goal_)};
+    if (target != nullptr) follow(formation.error, coupling_, goal_, *target);
+    return formation;
   }
 
   /// The last term of (49): half of the estimation error weighed by the inverse of Gamma, J.
@@ -196,8 +246,8 @@ class Storage {
 
   MULTILIFT_INLINE Powers<R> powers(const Plant<R>& p, const State<R>& state, const Pose<R>& pose,
                                     const Formation<R>& formation, const Loads<R>& loads,
-                                    const Motion<R>& motion,
-                                    const std::array<Vec2<R>, 2>& d_hat) const {
+                                    const Motion<R>& motion, const std::array<Vec2<R>, 2>& d_hat,
+                                    const Target<R>* target) const {
     const Swing<R>& swing = formation.swing;
     using B = Both<R>;
     Vec2<B> eps = both(formation.error.eps), eps_dot = both(formation.error.eps_dot);
@@ -221,6 +271,9 @@ class Storage {
     Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
     Vec2<R> deformation = pose.vehicle_velocity[0] - pose.vehicle_velocity[1];
     w.internal = dot(difference, half_coupling_ * deformation + half_asymmetry_ * swing.rate);
+    if (target != nullptr)
+      add_reference(w, p, pose, formation.error.eps_dot, reference_rate(coupling_, *target), loads,
+                    *target);
     return w;
   }
 

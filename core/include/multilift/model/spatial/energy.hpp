@@ -10,7 +10,7 @@
 // docs/theory-spatial derives its rate, entry by entry as in Powers.
 //
 // The momentum-coupled law has k_lambda = 0 here, y_i = e_i - a X in the place of eps_i, and adds
-// -1/2 a M |X_dot|^2 + 1/2 g y_p' (sum K_p) y_p; docs/certify derives that.
+// -1/2 a M |X_dot|^2 + 1/2 g y_p' (sum K_p) y_p; docs/momentum-law derives that.
 #pragma once
 
 #include "multilift/control/spatial/energy_coupled.hpp"

@@ -52,8 +52,8 @@ class Audit {
     one.end_ = lane(end_, k);
     one.error_ = lane(error_, k);
     one.largest_error_ = lane(largest_error_, k);
-    one.work_ = {lane(work_.dissipation, k), lane(work_.internal, k), lane(work_.push, k),
-                 lane(work_.actuation, k), lane(work_.adaptation, k)};
+    one.work_ = {lane(work_.dissipation, k), lane(work_.internal, k),   lane(work_.push, k),
+                 lane(work_.actuation, k),   lane(work_.adaptation, k), lane(work_.reference, k)};
     return one;
   }
 

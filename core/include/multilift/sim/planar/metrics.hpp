@@ -58,6 +58,7 @@ class Metrics {
       swing_sum += size;
       last_swing_ = select(R(swing_band) < size, time, last_swing_);
     }
+    last_deflection_ = select(R(swing_band) < abs(now.state.theta[2]), time, last_deflection_);
     // Trapezoidal rule: each instant counts half a step to either side.
     swing_integral_ += R(0.5 * (previous_step_ + step)) * swing_sum;
     previous_step_ = step;
@@ -101,6 +102,10 @@ class Metrics {
             "last time a vehicle is farther than 0.02 m from its goal; empty if still at the end "
             "or if the run ended early"},
       R(settled(last_far_)));
+    v(Field{"combined_settling", "s", Range::any,
+            "last time a vehicle is farther than 0.02 m from its goal or any |theta| exceeds 1 "
+            "degree; empty if still at the end or if the run ended early"},
+      R(settled(max(max(last_swing_, last_deflection_), last_far_))));
     v(Field{"rest_settling_time", "s", Range::any,
             "last time an angle turns faster than 1 degree a second, at whatever angles the load "
             "then hangs; empty if still at the end or if the run ended early"},
@@ -133,6 +138,7 @@ class Metrics {
     const auto take = [k](auto& mine, const R& all) { mine = lane(all, k); };
     for (std::size_t i = 0; i < 3; ++i) take(one.peak_swing_[i], peak_swing_[i]);
     take(one.last_swing_, last_swing_);
+    take(one.last_deflection_, last_deflection_);
     take(one.last_far_, last_far_);
     take(one.last_turning_, last_turning_);
     take(one.overshoot_, overshoot_);
@@ -164,8 +170,8 @@ class Metrics {
   std::array<Vec2<R>, 2> goal_;
   std::array<Vec2<R>, 2> towards_;  // the goal along each axis: +1, -1, or 0 for no travel
   std::array<R, 3> peak_swing_{R(0.0), R(0.0), R(0.0)};
-  R last_swing_{0.0}, last_far_{0.0}, last_turning_{0.0}, overshoot_{0.0}, swing_integral_{0.0},
-      effort_{0.0};
+  R last_swing_{0.0}, last_deflection_{0.0}, last_far_{0.0}, last_turning_{0.0}, overshoot_{0.0},
+      swing_integral_{0.0}, effort_{0.0};
   R peak_thrust_squared_{0.0}, peak_slope_{0.0}, min_tension_{unlimited};
   R least_storage_{unlimited}, storage_rise_{0.0};
   double previous_step_{0.0}, last_time_{0.0};

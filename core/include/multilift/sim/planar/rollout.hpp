@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "multilift/control/planar/reference.hpp"
 #include "multilift/sim/planar/audit.hpp"
 #include "multilift/sim/planar/columns.hpp"
 #include "multilift/sim/planar/loads.hpp"
@@ -103,16 +104,24 @@ MULTILIFT_NOINLINE mask_t<R> record_and_end(Record& record, bool due, Outcomes<R
 
 /// Runs from `state` to the end of the timing; each world of a batch only to its first broken
 /// assumption. `record` is called with a Sample and the worlds still alive every record_steps, and
-/// once more with every world that ends. Nothing is allocated on the way.
+/// once more with every world that ends. `reference` is null where the goal rests. Nothing is
+/// allocated on the way.
 template <bool with_audit, Real R, class Law, class Actuators, class Sensors, class Record>
 Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2<R>, 2>& goal,
                     Law& law, Actuators& actuators, Sensors& sensors,
-                    const std::vector<Push<R>>& pushes, const Timing& timing, Record&& record) {
+                    const std::vector<Push<R>>& pushes, const Timing& timing, Record&& record,
+                    const Reference<R>* reference = nullptr) {
   const double h = timing.step;
   const auto storage_function = storage_of(plant, law.storage_gains(), goal);
   std::array<Vec2<R>, 2> d_hat = law.d_hat();
   R estimation = storage_function.estimation_energy(plant, d_hat);
   Command<R> commanded{};
+  Target<R> moving, for_law;
+  const auto target_at = [&](double time) -> const Target<R>* {
+    if (reference == nullptr) return nullptr;
+    reference->at(time, moving);
+    return &moving;
+  };
   Metrics<R> metrics(plant, pose_of(plant, state).vehicle, goal);
   Audit<R> audit;
   Outcomes<R> outcomes;
@@ -122,6 +131,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     const double time = h * static_cast<double>(k);
     Pose<R> pose = pose_of(plant, state);
     sensors.observe(k, state, pose);
+    const Target<R>* target = target_at(time);
     if (k % timing.control_steps == 0) {
       d_hat = law.d_hat();
       if constexpr (with_audit) {
@@ -131,6 +141,10 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
       }
       Measurement<R> measured = sensors.read(k, state, pose);
       measured.time = time;
+      if (reference != nullptr) {
+        reference->for_law(time, for_law);
+        measured.target = &for_law;
+      }
       measured.saturated = actuators.saturated();
       commanded = law.step(measured);
       actuators.command(k, commanded);
@@ -143,8 +157,8 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     Powers<R> powers;
     R storage(0.0);
     if constexpr (with_audit) {
-      const auto formation = storage_function.formation(plant, state, pose);
-      powers = storage_function.powers(plant, state, pose, formation, loads, now, d_hat);
+      const auto formation = storage_function.formation(plant, state, pose, target);
+      powers = storage_function.powers(plant, state, pose, formation, loads, now, d_hat, target);
       storage = storage_function.motion_energy(plant, state, pose, formation) + estimation;
       if (k == 0) audit.begin(storage);
     }
@@ -170,9 +184,10 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
       Pose<R> stage_pose = pose_of(plant, x);
       Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
       if constexpr (with_audit) {
-        const auto formation = storage_function.formation(plant, x, stage_pose);
+        const Target<R>* then_target = target_at(time + (middle ? 0.5 * h : h));
+        const auto formation = storage_function.formation(plant, x, stage_pose, then_target);
         Powers<R> then = storage_function.powers(plant, x, stage_pose, formation, stage_loads,
-                                                 stage_motion, d_hat);
+                                                 stage_motion, d_hat, then_target);
         work = work + R(middle ? 2.0 : 1.0) * then;
       }
       return stage_motion.rate(x);

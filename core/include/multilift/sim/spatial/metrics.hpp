@@ -46,6 +46,19 @@ MULTILIFT_INLINE R swing_of(const Sample<R, V>& s, const std::vector<Vec3<R>>& r
   return dot(turn, turn);
 }
 
+/// The cables' directions at rest, level frame; up where none is asked of one.
+template <Real R>
+std::vector<Vec3<R>> rest_directions(const Formation<R>& formation) {
+  std::vector<Vec3<R>> directions;
+  for (const Vec3<R>& force : formation.cable_force) {
+    const R size = norm(force);
+    const R zero(0.0);
+    directions.push_back(
+        select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force, {zero, zero, R(1.0)}));
+  }
+  return directions;
+}
+
 template <Real R>
 class Metrics {
  public:
@@ -136,6 +149,10 @@ class Metrics {
     v(Field{"position_settling_time", "s", Range::any,
             "last time a vehicle is farther than 0.02 m from its target; empty likewise"},
       settled(last_far_));
+    v(Field{"combined_settling", "s", Range::any,
+            "last time a vehicle is farther than 0.02 m from its target or a taut cable more than "
+            "1 degree from its direction at rest; empty likewise"},
+      settled(max(last_swing_, last_far_)));
     v(Field{"payload_settling_time", "s", Range::any,
             "last time the payload is farther than 0.02 m from its target; empty likewise"},
       settled(last_payload_far_));

@@ -84,17 +84,6 @@ class Rollout {
   }
 
  private:
-  static std::vector<Vec3<R>> rest_directions(const Formation<R>& formation) {
-    std::vector<Vec3<R>> directions;
-    for (const Vec3<R>& force : formation.cable_force) {
-      const R size = norm(force);
-      const R zero(0.0);
-      directions.push_back(
-          select<R>(zero < size, (R(1.0) / max(size, R(1e-12))) * force, {zero, zero, R(1.0)}));
-    }
-    return directions;
-  }
-
   void control(long k, double time) {
     if (capture_) capture_->observe(k, x_);
     if (k % s_.timing.control_steps != 0) return;

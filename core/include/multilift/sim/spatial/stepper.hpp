@@ -34,6 +34,19 @@ struct CableEvents {
   R hardest_impulse{0.0};  // of one cable in one of them, N s
 };
 
+/// Takes out of `who`, in each world of `where`, the entry with the least pull, if that is
+/// negative.
+template <Real R>
+bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who, const mask_t<R>& where) {
+  const R zero(0.0);
+  R worst(0.0);
+  for (const R& x : pull) worst = min(worst, x);
+  const mask_t<R> some = where & (worst < zero);
+  if (!any(some)) return false;
+  for (std::size_t i = 0; i < who.size(); ++i) who[i].is = who[i].is & !(some & (pull[i] <= worst));
+  return true;
+}
+
 /// `Ledger` is told of every evaluation that the result is made of: restart() forgets what was not
 /// booked, add(weight, stage, x, instant, surroundings) has the weight in s, book() keeps it;
 /// before_jump(x) and after_jump(x) stand around an impact.
@@ -283,19 +296,6 @@ class Stepper {
       if (!drop_most_pushing(now_.motion.tension, taut_, where)) return;
       dynamics_.evaluate_tensions(x, taut_, now_);
     }
-  }
-
-  /// Takes out of `who`, in each world of `where`, the entry with the least pull, if that is
-  /// negative.
-  static bool drop_most_pushing(const std::vector<R>& pull, Masks<R>& who, const mask_t<R>& where) {
-    const R zero(0.0);
-    R worst(0.0);
-    for (const R& x : pull) worst = min(worst, x);
-    const mask_t<R> some = where & (worst < zero);
-    if (!any(some)) return false;
-    for (std::size_t i = 0; i < who.size(); ++i)
-      who[i].is = who[i].is & !(some & (pull[i] <= worst));
-    return true;
   }
 
   Dynamics dynamics_;
