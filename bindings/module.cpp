@@ -11,7 +11,6 @@ void bind_spatial_rollout(nanobind::module_& m);
 void bind_spatial_law(nanobind::module_& m);
 void bind_spatial_world(nanobind::module_& m);
 void bind_spatial_gradient(nanobind::module_& m);
-void bind_spatial_linear(nanobind::module_& m);
 void bind_planar_counting(nanobind::module_& m);
 }  // namespace multilift::bindings
 
@@ -50,6 +49,5 @@ NB_MODULE(_core, m) {
   multilift::bindings::bind_spatial_law(m);
   multilift::bindings::bind_spatial_world(m);
   multilift::bindings::bind_spatial_gradient(m);
-  multilift::bindings::bind_spatial_linear(m);
   multilift::bindings::bind_planar_counting(m);
 }

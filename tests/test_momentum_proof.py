@@ -12,7 +12,22 @@ import itertools
 import planar_lagrange as lagrange
 import pytest
 import sympy as sp
-from planar_lagrange import J, g, half, k, m1, m2, m3, mechanical_energy, q, rate, swing, v, vanishes
+from planar_lagrange import J, g, half, k, m1, m2, m3, mechanical_energy, q, rate, swing, vanishes
+from planar_lagrange import v
+    J,
+    g,
+    half,
+    k,
+    m1,
+    m2,
+    m3,
+    mechanical_energy,
+    q,
+    rate,
+    swing,
+    v,
+    vanishes,
+)
 
 lead = sp.Symbol("lead", positive=True)
 follow = lead / (1 + lead)
@@ -121,16 +136,16 @@ def test_the_storage_function_changes_by_named_powers_and_no_internal_force():
     # What holds E and what holds the gains never meet but through the signals: prove each alone.
     motion = kinetic_part - chi.dot(rows)
     assert vanishes(motion)
-    feedback = sp.expand(
-        motion * 0 + spring_rate + estimation_rate + chi.dot(rows) - powers - zero
-    )
+    feedback = sp.expand(motion * 0 + spring_rate + estimation_rate + chi.dot(rows) - powers - zero)
     signals = dict(zip(X, sp.symbols("X_y X_z"), strict=True))
     rates = dict(zip(V, sp.symbols("V_y V_z"), strict=True))
     assert vanishes(feedback.subs(signals).subs(rates))
 
 
 def test_for_equal_masses_and_gains_the_command_is_the_papers():
-    same = {m2: m1} | {k_p[j + 2]: k_p[j] for j in range(2)} | {k_d[j + 2]: k_d[j] for j in range(2)}
+    same = (
+        {m2: m1} | {k_p[j + 2]: k_p[j] for j in range(2)} | {k_d[j + 2]: k_d[j] for j in range(2)}
+    )
     paper = {lead: 4 * k * everything / ((m1 + m2) * m3)}
     eta = -k / m1 * twice(swing)  # (47)
     eps, eps_dot = error + eta, xi_dot + rate(eta)  # (48)

@@ -34,7 +34,7 @@ class StateSpace:
         )
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
-        """c (i omega - a)^-1 b + d at each frequency, shape (frequencies, outputs, inputs)."""
+        """C (i omega - a)^-1 b + d at each frequency, shape (frequencies, outputs, inputs)."""
         count = len(self.a)
         if count == 0:
             return np.broadcast_to(self.d.astype(complex), (len(omega), *self.d.shape))

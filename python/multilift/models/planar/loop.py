@@ -121,9 +121,7 @@ def _vehicles(scenario: PlanarScenario, u: Array) -> StateSpace:
             into.append(channel / lag)
             out.append(channel)
     shape = np.reshape
-    return StateSpace(
-        np.diag(poles), shape(into, (-1, 4)), shape(out, (-1, 4)).T, through
-    )
+    return StateSpace(np.diag(poles), shape(into, (-1, 4)), shape(out, (-1, 4)).T, through)
 
 
 def loop(scenario: PlanarScenario) -> Loop:
