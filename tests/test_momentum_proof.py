@@ -4,7 +4,7 @@ Whatever masses, lengths, gains, motion and forces inside the formation are, the
 
     S = E - 1/2 a M |V|^2 + 1/2 sum y_i' K_p y_i + 1/2 g y_p' (sum K_p) y_p + 1/2 w~' Gamma^-1 w~
 
-holds no force inside the formation, and S is positive definite. docs/momentum-law tells it in words.
+holds no force inside the formation, and S is positive definite; see docs/momentum-law.
 """
 
 import itertools
@@ -12,8 +12,7 @@ import itertools
 import planar_lagrange as lagrange
 import pytest
 import sympy as sp
-from planar_lagrange import J, g, half, k, m1, m2, m3, mechanical_energy, q, rate, swing, vanishes
-from planar_lagrange import v
+from planar_lagrange import (
     J,
     g,
     half,

@@ -109,7 +109,7 @@ def _vehicles(scenario: PlanarScenario, u: Array) -> StateSpace:
     poles, into, out, through = [], [], [], np.zeros((4, 4))
     for i in range(2):
         weight = (plant["vehicle_mass"][i] + 0.5 * plant["bar_mass"]) * plant["gravity"]
-        force = u[2 * i : 2 * i + 2] + [0.0, weight]
+        force = u[2 * i : 2 * i + 2] + np.array([0.0, weight])
         along = force / np.hypot(*force)
         for direction, lag in ((along, lags[0]), (np.array([along[1], -along[0]]), lags[1])):
             channel = np.zeros(4)
