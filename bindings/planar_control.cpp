@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "arrays.hpp"
 
@@ -91,6 +92,37 @@ double law_nanoseconds(const std::string& name, const std::vector<double>& gains
   return result;
 }
 
+/// Row k: derivatives of u_k along the seven coordinates and their rates.
+std::array<std::array<double, 14>, 4> law_jacobian(
+    const std::string& name, const std::vector<double>& gains, const std::vector<double>& assumed,
+    const Four& goal, double period, const Seven<double>& q, const Seven<double>& q_dot) {
+  using D = Dual<14>;
+  std::optional<planar::Command<D>> u;
+  planar::for_each_law<D>([&]<class Law>() {
+    if (name != Law::name) return;
+    if (gains.size() != count_scalars<typename Law::Gains>())
+      throw std::invalid_argument(name + " takes another number of gains");
+    plant_from(assumed);  // for its check
+    Law law(unpack<typename Law::Gains>(gains.data()),
+            planar::Plant<D>(unpack<planar::Parameters<D>>(assumed.data())),
+            {Vec2<D>{goal[0], goal[1]}, Vec2<D>{goal[2], goal[3]}}, period);
+    std::array<D, 14> v;
+    for (int k = 0; k < 14; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      v[i] = D::variable(k < 7 ? q[i] : q_dot[i - 7], k);
+    }
+    Measurement<D> measured;
+    measured.vehicle = {Vec2<D>{v[0], v[1]}, Vec2<D>{v[2], v[3]}};
+    measured.theta = {v[4], v[5], v[6]};
+    measured.angle = sincos_each(measured.theta);
+    measured.vehicle_velocity = {Vec2<D>{v[7], v[8]}, Vec2<D>{v[9], v[10]}};
+    measured.theta_dot = {v[11], v[12], v[13]};
+    u = law.step(measured);
+  });
+  if (!u) throw std::invalid_argument("no compiled law is called '" + name + "'");
+  return {(*u)[0].y.d, (*u)[0].z.d, (*u)[1].y.d, (*u)[1].z.d};
+}
+
 }  // namespace
 
 void bind_planar_control(nb::module_& m) {
@@ -107,6 +139,10 @@ void bind_planar_control(nb::module_& m) {
   m.def("planar_law_nanoseconds", &law_nanoseconds, nb::arg("law"), nb::arg("gains"),
         nb::arg("assumed_plant"), nb::arg("goal"), nb::arg("period"), nb::arg("repetitions"),
         "Mean time of one step of a compiled law, ns, for benchmarks.");
+  m.def("planar_law_jacobian", &law_jacobian, nb::arg("law"), nb::arg("gains"),
+        nb::arg("assumed_plant"), nb::arg("goal"), nb::arg("period"), nb::arg("q"),
+        nb::arg("q_dot"),
+        "Row k: derivatives of u_k along the seven coordinates and their rates (dual numbers).");
   nb::class_<SteppedLaw>(m, "PlanarLaw", "A compiled planar control law, stepped by hand.")
       .def(nb::new_(&make_law), nb::arg("name"), nb::arg("gains"), nb::arg("assumed_plant"),
            nb::arg("goal"), nb::arg("period"))

@@ -150,6 +150,11 @@ def planar_laws() -> dict:
 def planar_law_nanoseconds(law: str, gains: Sequence[float], assumed_plant: Sequence[float], goal: Sequence[float], period: float, repetitions: int) -> float:
     """Mean time of one step of a compiled law, ns, for benchmarks."""
 
+def planar_law_jacobian(law: str, gains: Sequence[float], assumed_plant: Sequence[float], goal: Sequence[float], period: float, q: Sequence[float], q_dot: Sequence[float]) -> list[list[float]]:
+    """
+    Row k: derivatives of u_k along the seven coordinates and their rates (dual numbers).
+    """
+
 class PlanarLaw:
     """A compiled planar control law, stepped by hand."""
 

@@ -87,10 +87,11 @@ struct Dual {
   }
 };
 
+/// At 0, where it has no slope, with slope 0: what |v| v asks for at rest.
 template <int N>
 Dual<N> sqrt(const Dual<N>& a) {
   const double root = std::sqrt(a.x);
-  return Dual<N>::chain(root, 0.5 / root, a);
+  return Dual<N>::chain(root, a.x == 0.0 ? 0.0 : 0.5 / root, a);
 }
 
 template <int N>

@@ -51,12 +51,18 @@ class AdaptiveFeedback {
       : gains_(gains), period_(period), d_hat_(gains.d_hat_start) {}
 
   MULTILIFT_INLINE Command<R> step(const UnifiedError<R>& error, const Measurement<R>& measured) {
+    return step(error, error.eps_dot, measured);
+  }
+
+  /// `power` are the velocities that an unknown drag works on in the law's storage function.
+  MULTILIFT_INLINE Command<R> step(const UnifiedError<R>& error, const PerAxis<R>& power,
+                                   const Measurement<R>& measured) {
     Command<R> u;
     for (std::size_t i = 0; i < 2; ++i) {
       const Vec2<R>& velocity = measured.vehicle_velocity[i];
       u[i] = scale(d_hat_[i], velocity) - scale(gains_.k_p[i], error.eps[i]) -
              scale(gains_.k_d[i], error.eps_dot[i]) + integral_[i];
-      d_hat_[i] -= R(period_) * scale(gains_.gamma[i], scale(velocity, error.eps_dot[i]));
+      d_hat_[i] -= R(period_) * scale(gains_.gamma[i], scale(velocity, power[i]));
       integrate(i, error.eps[i], measured.saturated[i]);
     }
     if (measured.target != nullptr)

@@ -5,13 +5,14 @@
 #include <tuple>
 
 #include "multilift/control/planar/energy_coupled.hpp"
+#include "multilift/control/planar/momentum_coupled.hpp"
 #include "multilift/control/planar/pd.hpp"
 
 namespace multilift::planar {
 
 template <Real R>
 struct Laws {
-  using List = std::tuple<EnergyCoupled<R>, Pd<R>>;
+  using List = std::tuple<EnergyCoupled<R>, Pd<R>, MomentumCoupled<R>>;
 };
 
 /// Calls f.template operator()<Law>() for each compiled law.

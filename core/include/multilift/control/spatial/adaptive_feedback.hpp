@@ -53,10 +53,17 @@ class AdaptiveFeedback {
   /// Vehicle i's u; its estimate moves on.
   MULTILIFT_INLINE Vec3<R> step(std::size_t i, const Vec3<R>& eps, const Vec3<R>& eps_dot,
                                 const Measurement<R>& measured, Vec3<R>& d_hat) {
+    return step(i, eps, eps_dot, eps_dot, measured, d_hat);
+  }
+
+  /// `power` is the velocity that an unknown drag works on in the law's storage function.
+  MULTILIFT_INLINE Vec3<R> step(std::size_t i, const Vec3<R>& eps, const Vec3<R>& eps_dot,
+                                const Vec3<R>& power, const Measurement<R>& measured,
+                                Vec3<R>& d_hat) {
     const Vec3<R>& velocity = measured.vehicle_velocity[i];
     const Vec3<R> u = scale(d_hat, velocity) - scale(gains_.k_p[i], eps) -
                       scale(gains_.k_d[i], eps_dot) + integral_[i];
-    d_hat -= R(period_) * scale(gains_.gamma[i], scale(velocity, eps_dot));
+    d_hat -= R(period_) * scale(gains_.gamma[i], scale(velocity, power));
     zip(
         [&](R& force, const R& gain, const R& error, const R& limit) {
           const R next = clamp(force - R(period_) * gain * error, -limit, limit);

@@ -1,6 +1,8 @@
 // What a spatial control law is given at each control instant, and what it must offer.
 #pragma once
 
+#include <optional>
+
 #include "multilift/control/spatial/target.hpp"
 #include "multilift/model/spatial/state.hpp"
 
@@ -32,6 +34,7 @@ struct Measurement {
 template <Real R>
 struct StorageGains {
   R k_lambda{0.0};
+  std::optional<R> lead;  // of the momentum-coupled law, whose k_lambda is 0 here
   std::vector<Vec3<R>> k_p, k_d, inverse_gamma;
 
   explicit StorageGains(std::size_t n) : k_p(n), k_d(n), inverse_gamma(n) {}

@@ -9,13 +9,14 @@
 #include "multilift/control/spatial/energy_coupled.hpp"
 #include "multilift/control/spatial/geometric.hpp"
 #include "multilift/control/spatial/lqr.hpp"
+#include "multilift/control/spatial/momentum_coupled.hpp"
 #include "multilift/control/spatial/pd.hpp"
 
 namespace multilift::spatial {
 
 template <Real R>
 struct Laws {
-  using List = std::tuple<EnergyCoupled<R>, Pd<R>, Geometric<R>, Lqr<R>>;
+  using List = std::tuple<EnergyCoupled<R>, Pd<R>, Geometric<R>, Lqr<R>, MomentumCoupled<R>>;
 };
 
 /// Calls f.template operator()<Law>() for each compiled law.

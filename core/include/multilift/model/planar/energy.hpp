@@ -183,6 +183,22 @@ struct Formation {
   UnifiedError<R> error;
 };
 
+/// A moving reference drives with its rate whatever acts on the vehicles, and with eps_dot the
+/// force that it asks for, which the law adds on purpose.
+template <Real R>
+MULTILIFT_NOINLINE void add_reference(Powers<R>& w, const Plant<R>& p, const Pose<R>& pose,
+                                      const std::array<Vec2<R>, 2>& eps_dot,
+                                      const std::array<Vec2<R>, 2>& rate, const Loads<R>& loads,
+                                      const Target<R>& target) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    Vec2<R> force = loads.u[i] - scale(p.vehicle_drag[i], pose.vehicle_velocity[i]);
+    if (loads.pushed) force += loads.vehicle_push[i];
+    const R wanted = dot(eps_dot[i], target.feedforward[i]);
+    w.reference += dot(rate[i], force) + wanted;
+    w.actuation -= wanted;
+  }
+}
+
 /// The storage function (49) of a law on a plant and the powers that change it, with the products
 /// of gains and masses found once.
 template <Real R>
@@ -255,26 +271,13 @@ class Storage {
     Vec2<R> difference = motion.cable_force[0] - motion.cable_force[1];
     Vec2<R> deformation = pose.vehicle_velocity[0] - pose.vehicle_velocity[1];
     w.internal = dot(difference, half_coupling_ * deformation + half_asymmetry_ * swing.rate);
-    if (target != nullptr) add_reference(w, p, pose, formation, loads, *target);
+    if (target != nullptr)
+      add_reference(w, p, pose, formation.error.eps_dot, reference_rate(coupling_, *target), loads,
+                    *target);
     return w;
   }
 
  private:
-  /// A moving reference drives with its rate whatever acts on the vehicles, and with eps_dot the
-  /// force that it asks for, which the law adds on purpose.
-  MULTILIFT_NOINLINE void add_reference(Powers<R>& w, const Plant<R>& p, const Pose<R>& pose,
-                                        const Formation<R>& formation, const Loads<R>& loads,
-                                        const Target<R>& target) const {
-    const auto rate = reference_rate(coupling_, target);
-    for (std::size_t i = 0; i < 2; ++i) {
-      Vec2<R> force = loads.u[i] - scale(p.vehicle_drag[i], pose.vehicle_velocity[i]);
-      if (loads.pushed) force += loads.vehicle_push[i];
-      const R wanted = dot(formation.error.eps_dot[i], target.feedforward[i]);
-      w.reference += dot(rate[i], force) + wanted;
-      w.actuation -= wanted;
-    }
-  }
-
   StorageGains<R> gains_;
   std::array<Vec2<R>, 2> goal_;
   std::array<R, 2> coupling_;

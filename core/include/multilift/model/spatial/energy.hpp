@@ -8,9 +8,13 @@
 //
 // c being the mean of c_i = n^2 k_lambda / m_L + kappa_i. For two vehicles in a plane this is (49).
 // docs/theory-spatial derives its rate, entry by entry as in Powers.
+//
+// The momentum-coupled law has k_lambda = 0 here, y_i = e_i - a X in the place of eps_i, and adds
+// -1/2 a M |X_dot|^2 + 1/2 g y_p' (sum K_p) y_p; docs/momentum-law derives that.
 #pragma once
 
 #include "multilift/control/spatial/energy_coupled.hpp"
+#include "multilift/control/spatial/momentum_coupled.hpp"
 #include "multilift/model/spatial/dynamics.hpp"
 
 namespace multilift::spatial {
@@ -71,6 +75,44 @@ struct Powers {
            adaptation + reference + impact;
   }
 };
+
+/// Where the momentum-coupled law's storage function differs; all zero for other laws.
+template <Real R>
+struct CommonPart {
+  Vec3<R> shift, shift_rate;     // a X and a times the rate of X, as far as not the target's own
+  Vec3<R> lead_mean, lead_rate;  // g times the means of the y_i and of their rates
+  Vec3<R> velocity;              // a times that of the common centre of mass
+  R stored{0.0}, braking{0.0};   // J, W
+};
+
+template <Real R, class V>
+MULTILIFT_INLINE CommonPart<R> common_part(const Plant<R>& p, const StorageGains<R>& gains,
+                                           const State<R, V>& x, const Target<R>& target) {
+  CommonPart<R> part;
+  if (!gains.lead) return part;
+  const R& lead = *gains.lead;
+  const R follow = lead / (R(1.0) + lead);
+  const auto at = [&](std::size_t i) { return x.vehicle[i].position - target.vehicle[i]; };
+  const auto rate = [&](std::size_t i) {
+    return x.vehicle[i].velocity - target.vehicle_velocity[i];
+  };
+  part.shift = follow * common_centre(p, x.payload.position - target.payload, at);
+  part.shift_rate = follow * common_centre(p, x.payload.velocity - target.payload_velocity, rate);
+  const Vec3<R> own =
+      common_centre(p, x.payload.velocity, [&](std::size_t i) { return x.vehicle[i].velocity; });
+  part.velocity = follow * own;
+  const auto y = [&](std::size_t i) { return at(i) - part.shift; };
+  const auto y_dot = [&](std::size_t i) { return rate(i) - part.shift_rate; };
+  Vec3<R> all, all_rate;
+  const Vec3<R> mean = weighed_mean(gains.k_p, y, all);
+  const Vec3<R> mean_rate = weighed_mean(gains.k_d, y_dot, all_rate);
+  part.lead_mean = lead * mean;
+  part.lead_rate = lead * mean_rate;
+  part.stored =
+      R(0.5) * (lead * dot(all, scale(mean, mean)) - common_mass(p) * dot(part.velocity, own));
+  part.braking = lead * dot(all_rate, scale(mean_rate, mean_rate));
+  return part;
+}
 
 /// What a law's gains amount to for a plant.
 template <Real R>
@@ -141,17 +183,18 @@ MULTILIFT_INLINE R storage_function(const Plant<R>& p, const StorageGains<R>& ga
                                     const Coupling<R>& coupling, const State<R, V>& x,
                                     const Target<R>& target, const std::vector<Vec3<R>>& d_hat) {
   const auto [r, r_dot] = displacement_of(x, target);
+  const CommonPart<R> common = common_part(p, gains, x, target);
   R potential = p.payload_mass * p.gravity * (x.payload.position.z - target.payload.z);
   R twice_spring(0.0), leaning(0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
-    const Vec3<R> eps = error - coupling.kappa[i] * r;
+    const Vec3<R> eps = error - coupling.kappa[i] * r - common.shift;
     potential -= dot(target.cable_force[i], error);
     leaning += coupling.kappa[i] * dot(target.cable_force[i], r);
     twice_spring += dot(gains.k_p[i], scale(eps, eps));
   }
   const R spin = dot(x.payload.rate, scale(p.payload_inertia, x.payload.rate));
-  return kinetic_energy(p, x) + potential + leaning + R(0.5) * twice_spring +
+  return kinetic_energy(p, x) + common.stored + potential + leaning + R(0.5) * twice_spring +
          estimation_energy(p, gains, d_hat) +
          coupling.swing * (R(0.5) * dot(r_dot, r_dot) + p.gravity * r.z) +
          R(0.5) * coupling.mean_c * spin;
@@ -168,22 +211,25 @@ MULTILIFT_INLINE void add_outside_power(R& power, const std::vector<Vec3<R>>& ve
   power += dot(lever, payload) + dot(spin, torque);
 }
 
-/// What a moving reference adds; `r` is the payload's displacement and `r_dot` its rate.
+/// What a moving reference adds; `r` is the payload's displacement and `r_dot` its rate, and
+/// `common_velocity` a times the target's of the common centre of mass.
 template <Real R, class V>
 MULTILIFT_INLINE R reference_power(const Plant<R>& p, const Coupling<R>& coupling,
                                    const State<R, V>& x, const Instant<R>& now,
                                    const Surroundings<R>& outside, const Target<R>& target,
-                                   const Displacement<R>& displacement) {
+                                   const Displacement<R>& displacement,
+                                   const Vec3<R>& common_velocity) {
   const auto& [r, r_dot] = displacement;
   R power = -(p.payload_mass * p.gravity * target.payload_velocity.z) -
-            coupling.swing * dot(r_dot, target.below_acceleration);
+            coupling.swing * dot(r_dot, target.below_acceleration) +
+            p.payload_mass * p.gravity * common_velocity.z;
   for (std::size_t i = 0; i < x.size(); ++i) {
     Vec3<R> force = now.thrust[i] - scale(p.vehicle_drag[i], x.vehicle[i].velocity - outside.wind);
     force.z -= p.vehicle_mass[i] * p.gravity;
     if (outside.pushes) force += outside.vehicle_push[i];
     if (now.floor) force += now.contact[i];
     const Vec3<R> error = x.vehicle[i].position - target.vehicle[i];
-    power += dot(target.vehicle_velocity[i], force) -
+    power += dot(target.vehicle_velocity[i] - common_velocity, force) -
              dot(target.cable_force_rate[i], error - coupling.kappa[i] * r);
   }
   return power;
@@ -198,15 +244,17 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
   const auto& [r, r_dot] = displacement;
   const Vec3<R>& omega = x.payload.rate;
   const Vec3<R> mean_rate = x.payload.velocity - r_dot;  // of the vehicles
+  const CommonPart<R> common = common_part(p, gains, x, target);
   const auto eps_dot_of = [&](std::size_t i) {
-    const Vec3<R> still = x.vehicle[i].velocity - coupling.kappa[i] * r_dot;
+    const Vec3<R> still = x.vehicle[i].velocity - coupling.kappa[i] * r_dot - common.shift_rate;
     return target.moves ? still - target.vehicle_velocity[i] : still;
   };
 
   Powers<R> w;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3<R>& v = x.vehicle[i].velocity;
-    const Vec3<R> eps = x.vehicle[i].position - target.vehicle[i] - coupling.kappa[i] * r;
+    const Vec3<R> eps =
+        x.vehicle[i].position - target.vehicle[i] - coupling.kappa[i] * r - common.shift;
     const Vec3<R> eps_dot = eps_dot_of(i);
     Vec3<R> u = now.thrust[i] - target.cable_force[i];
     u.z -= p.vehicle_mass[i] * p.gravity;
@@ -214,7 +262,8 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
     const Vec3<R> drag = scale(p.vehicle_drag[i], v - outside.wind);
     const R braking = dot(gains.k_d[i], scale(eps_dot, eps_dot));
     w.dissipation -= braking;
-    w.actuation += dot(eps_dot, u + scale(gains.k_p[i], eps) - compensation) + braking;
+    w.actuation +=
+        dot(eps_dot, u + scale(gains.k_p[i], eps + common.lead_mean) - compensation) + braking;
     w.adaptation += dot(eps_dot, compensation - drag);
     const Cable<R>& cable = now.cable[i];
     const R& tension = now.motion.tension[i];
@@ -222,7 +271,10 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
                              coupling.c_apart[i] * dot(omega, cable.moment));
     w.cables -= coupling.one_and_c[i] * tension * cable.stretch_rate;
   }
-  const Vec3<R> lever = x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot;
+  w.dissipation -= common.braking;
+  w.actuation += common.braking;
+  const Vec3<R> lever =
+      x.payload.velocity + (coupling.swing * p.inverse_payload_mass) * r_dot - common.velocity;
   const Vec3<R> spin = (R(1.0) + coupling.mean_c) * omega;
   w.payload_drag = dot(lever, now.payload_drag) - dot(spin, scale(p.payload_spin_damping, omega));
   if (outside.pushes)
@@ -232,7 +284,8 @@ MULTILIFT_INLINE Powers<R> powers_of(const Plant<R>& p, const StorageGains<R>& g
     add_outside_power(w.contact, now.contact, now.payload_contact, now.payload_contact_torque,
                       eps_dot_of, lever, spin);
   if (target.moves)
-    w.reference = reference_power(p, coupling, x, now, outside, target, displacement);
+    w.reference = reference_power(p, coupling, x, now, outside, target, displacement,
+                                  common.velocity - common.shift_rate);
   return w;
 }
 

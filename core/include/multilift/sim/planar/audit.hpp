@@ -4,7 +4,7 @@
 // remains between the storage function and their sum is integration error and nothing else.
 #pragma once
 
-#include "multilift/model/planar/energy.hpp"
+#include "multilift/model/planar/common_motion.hpp"
 
 namespace multilift::planar {
 

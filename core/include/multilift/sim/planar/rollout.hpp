@@ -112,7 +112,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
                     const std::vector<Push<R>>& pushes, const Timing& timing, Record&& record,
                     const Reference<R>* reference = nullptr) {
   const double h = timing.step;
-  const Storage<R> storage_function(plant, law.storage_gains(), goal);
+  const auto storage_function = storage_of(plant, law.storage_gains(), goal);
   std::array<Vec2<R>, 2> d_hat = law.d_hat();
   R estimation = storage_function.estimation_energy(plant, d_hat);
   Command<R> commanded{};
@@ -157,7 +157,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
     Powers<R> powers;
     R storage(0.0);
     if constexpr (with_audit) {
-      Formation<R> formation = storage_function.formation(plant, state, pose, target);
+      const auto formation = storage_function.formation(plant, state, pose, target);
       powers = storage_function.powers(plant, state, pose, formation, loads, now, d_hat, target);
       storage = storage_function.motion_energy(plant, state, pose, formation) + estimation;
       if (k == 0) audit.begin(storage);
@@ -185,7 +185,7 @@ Outcomes<R> rollout(const Plant<R>& plant, State<R> state, const std::array<Vec2
       Motion<R> stage_motion = motion(plant, x, stage_pose, stage_loads);
       if constexpr (with_audit) {
         const Target<R>* then_target = target_at(time + (middle ? 0.5 * h : h));
-        Formation<R> formation = storage_function.formation(plant, x, stage_pose, then_target);
+        const auto formation = storage_function.formation(plant, x, stage_pose, then_target);
         Powers<R> then = storage_function.powers(plant, x, stage_pose, formation, stage_loads,
                                                  stage_motion, d_hat, then_target);
         work = work + R(middle ? 2.0 : 1.0) * then;
