@@ -128,6 +128,8 @@ def pade(delay: float, order: int, channels: int) -> StateSpace:
     b[-1] = 1.0
     row = (above - straight * below)[:-1][None]
     each = np.eye(channels)
-    return StateSpace(
-        np.kron(each, a / delay), np.kron(each, b / delay), np.kron(each, row), straight * each
-    )
+
+    def spread(one: Array) -> Array:
+        return np.asarray(np.kron(each, one), dtype=np.float64)
+
+    return StateSpace(spread(a / delay), spread(b / delay), spread(row), straight * each)
