@@ -127,7 +127,10 @@ def pade(delay: float, order: int, channels: int) -> StateSpace:
     b = np.zeros((order, 1))
     b[-1] = 1.0
     row = (above - straight * below)[:-1][None]
-    each = np.eye(channels)
+    each: Array = np.eye(channels)
     return StateSpace(
-        np.kron(each, a / delay), np.kron(each, b / delay), np.kron(each, row), straight * each
+        np.asarray(np.kron(each, a / delay), np.float64),
+        np.asarray(np.kron(each, b / delay), np.float64),
+        np.asarray(np.kron(each, row), np.float64),
+        straight * each,
     )
