@@ -118,10 +118,8 @@ def test_a_twin_is_landed_from_a_browser(tmp_path):
     )  # fmt: skip
     with command:
         try:
-            found = None
-            while found is None:
-                found = re.search(r"(http://\S+)\s+token (\S+)", command.stdout.readline())
-            url, token = found.groups()
+            said = (re.search(r"(http://\S+)\s+token (\S+)", line) for line in command.stdout)
+            url, token = next(filter(None, said)).groups()
             with Browser(tmp_path / "profile", url, (700, 500)) as seen:
                 seen.type_into("token", token)
                 seen.press("unlock the buttons")
