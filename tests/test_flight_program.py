@@ -134,8 +134,14 @@ def test_the_pilots_keys_from_a_terminal(tmp_path):
         os.write(ours, keys.encode())
         wait_for(lambda: shows(until))
 
-    wait_for(lambda: shows(" go "))  # all checks are passed
-    press("\r", "take-off")
+    def goes():
+        # On a busy machine a check may fail just as the key comes down: she presses again.
+        if shows(" go "):
+            seen.clear()
+            os.write(ours, b"\r")
+        return shows("take-off")
+
+    wait_for(goes)
     press("k", "They fall")
     press("n", "kill: motors off")  # asked again, and not done
     press("k", "They fall")

@@ -10,7 +10,8 @@ import pytest
 from multilift import study
 from multilift.options import _parse_change, load_changed
 from multilift.study import run as runner
-from multilift.study.summary import replay_command, toml_inline
+from multilift.study.summary import replay_command
+from multilift.toml_text import inline
 from study_files import rows, write
 
 TEXT = """
@@ -187,4 +188,4 @@ def test_the_page_is_whole_and_loads_nothing(result):
 @pytest.mark.parametrize("value", [1.5, 0.1 + 0.2, 1e-300, -3, True, "a \"b\" \\", [1.0, [2.0]],
                                    math.inf, [{"body": "bar", "force": [0.0, 1.0]}]])  # fmt: skip
 def test_values_come_back_from_the_command_line(value):
-    assert _parse_change(f"key={toml_inline(value)}") == ("key", value)
+    assert _parse_change(f"key={inline(value)}") == ("key", value)
