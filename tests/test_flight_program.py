@@ -150,5 +150,5 @@ def test_the_pilots_keys_from_a_terminal(tmp_path):
     command.wait(PATIENCE)
     os.close(ours)
     words = [e.data["word"] for e in read(log) if e.topic == "supervisor" and e.data["word"]]
-    assert words[:3] == ["start", "go", "kill"]
+    assert list(dict.fromkeys(words))[:3] == ["start", "go", "kill"]
     assert command.returncode == 3  # it was cut short
