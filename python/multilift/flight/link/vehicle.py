@@ -36,6 +36,8 @@ OWN_COMPONENT = mavlink.MAV_COMP_ID_MISSIONPLANNER
 #: How often a heartbeat and a time request go out, s.
 _HEARTBEAT = 0.5
 _TIMESYNC = 0.1
+#: Multiples of it fall evenly between whole numbers, however many there are.
+_GOLDEN = 0.618034
 
 #: How many exchanges say how long the way is.
 _TRIPS = 5
@@ -69,6 +71,18 @@ class Transport(Protocol):
 
     def forget_peer(self) -> None:
         """Lets another source speak."""
+
+
+def until_next_question(asked: int) -> float:
+    """From a question for the time to the next, s.
+
+    Uneven, so that questions do not keep step with the loop in which they are answered: some then
+    wait for nothing, and the quickest agree.
+
+    Args:
+        asked: how many there were.
+    """
+    return _TIMESYNC * (0.75 + 0.5 * (asked * _GOLDEN % 1.0))
 
 
 @dataclass
@@ -167,6 +181,7 @@ class VehicleLink:
     _now: float = -math.inf
     _next_heartbeat: float = -math.inf
     _next_timesync: float = -math.inf
+    _questions: int = 0
     _asked: dict[int, float] = field(default_factory=dict)
     _voltage_time: float = -math.inf
     _last_message: float = -math.inf
@@ -213,7 +228,8 @@ class VehicleLink:
                 mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE
             )
         if now >= self._next_timesync:
-            self._next_timesync = now + _TIMESYNC
+            self._questions += 1
+            self._next_timesync = now + until_next_question(self._questions)
             sent = int(now * 1e9)
             self._asked = {k: v for k, v in self._asked.items() if now - v < 1.0}
             self._asked[sent] = now
