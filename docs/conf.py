@@ -44,7 +44,7 @@ napoleon_attr_annotations = False
 nitpick_ignore_regex = [
     ("py:.*", r"(np|numpy|pd|pandas|matplotlib|pathlib|collections|typing|types)\..*"),
     ("py:.*", r"(NDArray|Path|Figure|SimpleNamespace|Vector|Callable|Sequence|Mapping|Law)"),
-    ("py:.*", r"(ModuleType|Columns|Steps|View)"),
+    ("py:.*", r"(ModuleType|Columns|Steps|View|Limits|Move)"),
 ]
 
 

@@ -291,8 +291,9 @@ class Model(ABC):
         """A run over dual numbers, for `multilift.gradient`; not every model has one.
 
         Returns:
-            "status", "culprit" and "end_time" as of a run; "values": final state, metrics and audit
-            entries in the order of ``scenario.quantities``; "derivatives" of each, key by key.
+            A table with "status", "culprit" and "end_time" as of a run, and with the "values" of
+            final state, metrics and audit in the order of ``scenario.quantities`` and the
+            "derivatives" of each, key by key.
 
         Raises:
             ScenarioError: for keys along which there are no derivatives.
