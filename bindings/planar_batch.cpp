@@ -26,7 +26,7 @@ struct Job {
   Timing timing;
   bool ideal;
   planar::Path path;  // of the bar relative to its goal; none: the goal rests from the start
-  planar::Ages ages;
+  planar::View view;
   double* metrics;
   double* audit;
   double* final_state;  // worlds x 10
@@ -59,7 +59,7 @@ class Kernel {
     const std::vector<Push<R>> pushes = pushes_from(job_.pushes, next);
 
     Law law(gains, assumed, goal, job_.timing.control_period());
-    const auto reference = reference_along(job_.path, assumed, goal, job_.ages);
+    const auto reference = reference_along(job_.path, assumed, goal, job_.view);
     std::array<std::size_t, MULTILIFT_LANES> recorded{};
     const auto record = [&](const planar::Sample<R>& sample, const mask_t<R>& whose) {
       if (job_.samples == nullptr) return;
@@ -119,7 +119,7 @@ void run(const std::string& law, const Array2<const double>& rows,
          const Array1<std::int8_t>& status, const Array1<std::int8_t>& culprit,
          const nb::object& samples, unsigned threads, const nb::object& progress,
          const std::vector<PlanarPiece>& pieces, double path_end,
-         const std::array<double, 2>& ages) {
+         const std::array<double, 3>& view) {
   Job job{rows.data(),
           rows.shape(1),
           seeds.data(),
@@ -128,7 +128,7 @@ void run(const std::string& law, const Array2<const double>& rows,
           {step, steps, control_steps, record_steps},
           ideal,
           planar_path(pieces, path_end),
-          {ages[0], ages[1]},
+          planar_view(view),
           metrics.data(),
           audit.data(),
           final_state.data(),
@@ -166,7 +166,7 @@ void bind_planar_batch(nb::module_& m) {
         nb::arg("ideal"), nb::arg("metrics"), nb::arg("audit"), nb::arg("final_state"),
         nb::arg("end_time"), nb::arg("status"), nb::arg("culprit"), nb::arg("samples").none(),
         nb::arg("threads"), nb::arg("progress").none(), nb::arg("pieces"), nb::arg("path_end"),
-        nb::arg("ages"), "Runs every row's world and fills the arrays. Releases the GIL.");
+        nb::arg("view"), "Runs every row's world and fills the arrays. Releases the GIL.");
 }
 
 }  // namespace multilift::bindings

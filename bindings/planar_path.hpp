@@ -22,14 +22,19 @@ inline planar::Path planar_path(const std::vector<PlanarPiece>& pieces, double e
   return path;
 }
 
+/// From Python: lead, age of measurements, both in s, and whether damping counts (not 0).
+inline planar::View planar_view(const std::array<double, 3>& view) {
+  return {view[0], view[1], view[2] != 0.0};
+}
+
 /// None where there are no pieces: the goal rests from the start.
 template <class R>
 std::optional<planar::Reference<R>> reference_along(const planar::Path& path,
                                                     const planar::Plant<R>& assumed,
                                                     const std::array<Vec2<R>, 2>& goal,
-                                                    const planar::Ages& ages) {
+                                                    const planar::View& view) {
   if (path.pieces.empty()) return std::nullopt;
-  return planar::Reference<R>(assumed, goal, path, ages);
+  return planar::Reference<R>(assumed, goal, path, view);
 }
 
 template <class R>

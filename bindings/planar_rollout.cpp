@@ -61,7 +61,7 @@ struct Setup {
   planar::SensorParameters<double> sensors;
   std::uint64_t seed;
   planar::Path path;  // of the bar; none: the goal rests from the start
-  planar::Ages ages;
+  planar::View view;
 };
 
 template <class Law>
@@ -71,7 +71,7 @@ planar::Outcome<double> run_with(const Setup& s, Law& law, Table& table) {
     visit_columns(sample, [&](const Field&, double x) { table.numbers.push_back(x); });
     table.columns = table.numbers.size() - before;
   };
-  const auto reference = reference_along(s.path, s.assumed, s.goal, s.ages);
+  const auto reference = reference_along(s.path, s.assumed, s.goal, s.view);
   table.numbers.reserve(48 * static_cast<std::size_t>(s.timing.steps / s.timing.record_steps + 2));
   if (s.ideal) {
     planar::IdealActuators<double> actuators(s.assumed, s.plant);
@@ -116,7 +116,7 @@ Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>
                  double step, long steps, long control_steps, long record_steps,
                  const Values& actuators, const Values& sensors, bool ideal, std::uint64_t seed,
                  const std::vector<PlanarPiece>& pieces, double path_end,
-                 const std::array<double, 2>& ages) {
+                 const std::array<double, 3>& view) {
   const Plant<double> p = plant_from(plant);
   return {p,
           plant_from(assumed),
@@ -129,7 +129,7 @@ Setup make_setup(const Values& plant, const Values& assumed, const Seven<double>
           unpack_checked<planar::SensorParameters<double>>(sensors, "sensors"),
           seed,
           planar_path(pieces, path_end),
-          {ages[0], ages[1]}};
+          planar_view(view)};
 }
 
 nb::dict run_law(const Setup& setup, const std::string& name, const Values& gains) {
@@ -201,7 +201,7 @@ void bind_planar_rollout(nb::module_& m) {
            nb::arg("q_dot"), nb::arg("goal"), nb::arg("pushes"), nb::arg("step"), nb::arg("steps"),
            nb::arg("control_steps"), nb::arg("record_steps"), nb::arg("actuators"),
            nb::arg("sensors"), nb::arg("ideal"), nb::arg("seed"), nb::arg("pieces"),
-           nb::arg("path_end"), nb::arg("ages"));
+           nb::arg("path_end"), nb::arg("view"));
   m.def("planar_rollout", &run_law, nb::arg("setup"), nb::arg("law"), nb::arg("gains"),
         "Runs a compiled law. Releases the GIL.");
   m.def("planar_rollout_python", &run_callback, nb::arg("setup"), nb::arg("law"),

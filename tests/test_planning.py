@@ -283,6 +283,84 @@ def test_flatness_is_exact_for_any_plant_without_damping():
     assert error[2] < 2e-3 and bar < 0.01
 
 
+def left_without_feedback(damped: bool, drag: float, swing: float) -> float:
+    """How far all is from rest at the goal after a move that forces alone make; m, rad and 1/s.
+
+    Commands are held for a step, and given half a step ahead: what that leaves is of second order.
+    """
+    step = 0.0005
+    scenario = ml.load("sim1").with_values(
+        {
+            "plant.vehicle_mass": [2.0, 1.3],
+            "plant.cable_length": [1.8, 1.2],
+            "plant.bar_half_thickness": 0.2,
+            "plant.bar_inertia": 0.1,
+            "plant.vehicle_drag": drag,
+            "plant.swing_damping": [swing, 0.5 * swing, 0.0],
+            "start.vehicle_position": [[0.0, 3.0], [1.8, 2.4]],
+            "goal.vehicle_position": [[1.0, 3.5], [2.8, 2.9]],
+            "controller.k_p": 1e-9,
+            "controller.k_d": 1e-9,
+            "controller.gamma": 1e-9,
+            "controller.rate": 1.0 / step,
+            "reference.kind": "flat",
+            "reference.duration": 2.0,
+            "reference.lead": 0.5 * step,
+            "reference.damping": damped,
+            "simulation.duration": 2.2,
+            "simulation.step": step,
+        }
+    )
+    run = ml.simulate(scenario, "pd")
+    last = [run["y1"][-1] - 1.0, run["z1"][-1] - 3.5, run["y2"][-1] - 2.8, run["z2"][-1] - 2.9]
+    return float(np.linalg.norm([*last, *(run[f"theta{k}"][-1] for k in (1, 2, 3))]))
+
+
+def test_forces_along_the_way_make_up_for_drag():
+    assert left_without_feedback(False, 0.5, 0.0) > 0.05
+    assert left_without_feedback(True, 0.5, 0.0) < 2.0 * left_without_feedback(False, 0.0, 0.0)
+    assert left_without_feedback(True, 0.5, 0.0) < 1e-5
+
+
+def test_what_swing_damping_leaves_is_of_second_order():
+    """The cables' lag is expanded to the first."""
+    left = [left_without_feedback(True, 0.3, swing) for swing in (0.2, 0.1, 0.05)]
+    orders = np.log2(np.array(left[:-1]) / left[1:])
+    assert orders == pytest.approx([2.0, 2.0], abs=0.25)
+    assert left[-1] < 0.1 * left_without_feedback(False, 0.0, 0.05)
+
+
+@pytest.mark.parametrize("name", MOVES)
+def test_with_damping_counted_hardly_any_swing_is_left(name):
+    counted = ideal(name, kind="flat", damping=True, lead=0.0005, **LIMITS)
+    left = {}
+    for damped in (False, True):
+        scenario = counted.with_values({"reference.damping": damped, "simulation.duration": 8.0})
+        left[damped] = swing_after(ml.simulate(scenario), scenario.path[1])
+    assert left[True] < min(0.05, 0.3 * left[False])
+
+
+def test_the_audit_closes_where_the_way_counts_damping():
+    scenario = ideal("exp1_1", kind="flat", damping=True, **LIMITS).with_values(
+        {"simulation.duration": 4.0, "controller.rate": 500.0, "simulation.step": 0.001}
+    )
+    run = ml.simulate(scenario)
+    assert abs(run.audit["reference"]) > 1e-3
+    assert run.audit["largest_integration_error"] < 1e-5
+
+
+def test_a_batch_counts_each_worlds_damping_to_the_last_bit():
+    scenario = ideal("exp1_2", kind="flat", damping=True, **LIMITS).with_values(
+        {"simulation.duration": 2.0}
+    )
+    key, damping = "plant.swing_damping[0]", [0.0, 0.02, 0.05]
+    batch = ml.simulate_batch(scenario, {key: damping})
+    for k, value in enumerate(damping):
+        alone = ml.simulate(scenario.with_values({key: value}))
+        assert batch.metrics["peak_swing_1"][k] == alone.metrics["peak_swing_1"]
+        assert batch.audit["reference"][k] == alone.audit["reference"]
+
+
 def test_a_batch_follows_the_same_way_to_the_last_bit():
     scenario = ideal("exp1_2", kind="flat", **LIMITS).with_values({"simulation.duration": 2.0})
     masses = [0.3, 0.386, 0.5]
@@ -331,6 +409,11 @@ def test_a_lead_makes_up_for_actuators_that_lag():
         (
             {"reference.kind": "flat", "start.angle": [0.1, -0.1, 0.0], "reference.start": 1.0},
             "reference.start",
+        ),
+        ({"reference.kind": "ei", "reference.damping": True}, "reference.damping"),
+        (
+            {"reference.kind": "flat", "reference.damping": True, "controller.d_hat_start": 0.1},
+            "reference.damping",
         ),
         ({"reference.kind": "zv", "plant.gravity": 0.0}, "plant.gravity"),
         (

@@ -186,7 +186,7 @@ class PlanarPush:
 class PlanarSetup:
     """A run, less its control law."""
 
-    def __init__(self, plant: Sequence[float], assumed_plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], path_end: float, ages: Sequence[float]) -> None: ...
+    def __init__(self, plant: Sequence[float], assumed_plant: Sequence[float], q: Sequence[float], q_dot: Sequence[float], goal: Sequence[float], pushes: Sequence[PlanarPush], step: float, steps: int, control_steps: int, record_steps: int, actuators: Sequence[float], sensors: Sequence[float], ideal: bool, seed: int, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], path_end: float, view: Sequence[float]) -> None: ...
 
 def planar_rollout(setup: PlanarSetup, law: str, gains: Sequence[float]) -> dict:
     """Runs a compiled law. Releases the GIL."""

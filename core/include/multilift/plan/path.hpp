@@ -15,11 +15,12 @@ using Polynomial = std::array<double, degree + 1>;
 /// A value and its first four time derivatives.
 using Derivatives = std::array<double, 5>;
 
-/// Value and derivatives at t by Horner's rule.
-inline Derivatives evaluate(const Polynomial& c, double t) {
-  Derivatives value{};
+/// Value and the first N - 1 derivatives at t by Horner's rule.
+template <std::size_t N = 5>
+std::array<double, N> evaluate(const Polynomial& c, double t) {
+  std::array<double, N> value{};
   for (std::size_t j = degree + 1; j-- > 0;) {
-    for (std::size_t k = 4; k > 0; --k)
+    for (std::size_t k = N - 1; k > 0; --k)
       value[k] = value[k] * t + static_cast<double>(k) * value[k - 1];
     value[0] = value[0] * t + c[j];
   }
@@ -39,15 +40,17 @@ struct Path {
   std::vector<Piece<D>> pieces;
   double end{0.0};
 
-  std::array<Derivatives, D> at(double time) const {
+  /// Value and the first N - 1 derivatives of every coordinate.
+  template <std::size_t N = 5>
+  std::array<std::array<double, N>, D> at(double time) const {
     std::size_t k = pieces.size() - 1;
     while (k > 0 && time < pieces[k].start) --k;
     const bool over = end <= time;
     const double t = std::max((over ? end : time) - pieces[k].start, 0.0);
-    std::array<Derivatives, D> all;
+    std::array<std::array<double, N>, D> all;
     for (std::size_t c = 0; c < D; ++c) {
-      all[c] = evaluate(pieces[k].coordinate[c], t);
-      if (over) all[c] = {all[c][0], 0.0, 0.0, 0.0, 0.0};
+      all[c] = evaluate<N>(pieces[k].coordinate[c], t);
+      if (over) std::fill(all[c].begin() + 1, all[c].end(), 0.0);
     }
     return all;
   }

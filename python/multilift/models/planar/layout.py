@@ -213,5 +213,5 @@ def run_worlds(
         progress=progress,
         pieces=pieces,
         path_end=path_end,
-        ages=scenario.ages(),
+        view=scenario.view(),
     )

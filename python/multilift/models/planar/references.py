@@ -89,6 +89,8 @@ def pieces(
     reference = values["reference"]
     if reference["kind"] == "step":
         return [], 0.0
+    if reference["damping"]:
+        _require_smooth(values, where)
     problem = _problem(values, plant, assumed, q, q_dot, where)
     if reference["start"] > 0.0 and not problem.rests:
         raise ScenarioError(
@@ -103,6 +105,28 @@ def pieces(
         return way, end
     later = [(reference["start"] + begin, rows) for begin, rows in way]
     return splines.wait(later), reference["start"] + end
+
+
+def _require_smooth(values: dict[str, Any], where: str) -> None:
+    """Of a way that counts damping: its snap gives the cables' rate, and the law no drag twice."""
+    kind = values["reference"]["kind"]
+    if kind not in ("flat", "waypoints"):
+        raise ScenarioError(
+            "needs a way whose snap does not jump",
+            where=where,
+            key="reference.damping",
+            value=True,
+            permitted="with reference.kind flat or waypoints",
+            advice=f"leave it out with {kind}",
+        )
+    if np.any(np.array(values["controller"].get("d_hat_start", 0.0)) != 0.0):
+        raise ScenarioError(
+            "would count the drag twice: the law's estimate begins with some already",
+            where=where,
+            key="reference.damping",
+            value=True,
+            permitted="with controller.d_hat_start = 0",
+        )
 
 
 def _problem(

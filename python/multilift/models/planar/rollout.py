@@ -56,5 +56,5 @@ def _setup(scenario: PlanarScenario) -> _core.PlanarSetup:
         seed=values["simulation"]["seed"],
         pieces=pieces,
         path_end=path_end,
-        ages=scenario.ages(),
+        view=scenario.view(),
     )

@@ -68,10 +68,15 @@ class PlanarScenario(Scenario):
         """[y1d, z1d, y2d, z2d], m."""
         return np.ravel(np.array(self.values["goal"]["vehicle_position"]))
 
-    def ages(self) -> tuple[float, float]:
-        """How far ahead the law gives forces along the way and how old its measurements are, s."""
+    def view(self) -> tuple[float, float, float]:
+        """How far ahead the law gives forces along the way, how old its measurements are, both in
+        s, and 1 where the way counts damping, else 0."""
         reference = self.values["reference"]
-        return float(reference["lead"]), float(reference["measured_delay"])
+        return (
+            float(reference["lead"]),
+            float(reference["measured_delay"]),
+            float(reference["damping"]),
+        )
 
     def moves_target(self) -> bool:
         """Whether the target takes a way to the goal."""

@@ -71,6 +71,9 @@ REFERENCE = Table(
               "actuators that lag", unit="s", range="non_negative", default=0.0),
         Field("measured_delay", "how old the law takes its measurements to be: it compares them "
               "with where the target was then", unit="s", range="non_negative", default=0.0),
+        Field("damping", "of flat and waypoints: whether the forces along the way make up for the "
+              "vehicles' drag and the cables' swing damping, as the law assumes them; needs "
+              "controller.d_hat_start = 0", "flag", default=False),
         Field("times", "of waypoints: when each is reached, ascending, after start", kind="list",
               unit="s"),
         Field("points", "of waypoints: y and z of vehicle 1 at each, one after the other; the last "
