@@ -69,8 +69,12 @@ class PlanarScenario(Scenario):
         return np.ravel(np.array(self.values["goal"]["vehicle_position"]))
 
     def view(self) -> tuple[float, float, float]:
-        """How far ahead the law gives forces along the way, how old its measurements are, both in
-        s, and 1 where the way counts damping, else 0."""
+        """How the law looks at its way.
+
+        Returns:
+            How far ahead it gives forces and how old its measurements are, both in s, and 1 where
+            the way counts damping, else 0.
+        """
         reference = self.values["reference"]
         return (
             float(reference["lead"]),
