@@ -283,6 +283,53 @@ def test_flatness_is_exact_for_any_plant_without_damping():
     assert error[2] < 2e-3 and bar < 0.01
 
 
+JUMPING = {
+    "kind": "flat",
+    "times": [0.5, 1.3, 5.0],
+    "points": [0.6, 3.2, -0.4, 2.9, 1.2, 3.5],
+    "speed_max": 2.0, "acceleration_max": 4.0, "jerk_max": 20.0, "snap_max": 300.0,
+}  # fmt: skip
+
+
+def test_a_goal_that_jumps_in_mid_move_keeps_limits_and_leaves_no_swing():
+    scenario = ideal("sim1", damping=True, lead=0.0005, **JUMPING).with_values(
+        {"simulation.duration": 12.0}
+    )
+    pieces, end = scenario.path
+    starts = [begin for begin, _ in pieces]
+    assert starts == sorted(starts) and 0.5 in starts and 1.3 in starts and 5.0 in starts
+    limits = Limits(*(JUMPING[f"{n}_max"] for n in Limits.names))
+
+    def at(time: float, k: int) -> np.ndarray:
+        rows = np.array(pieces[k][1])
+        derivatives = [np.polynomial.Polynomial(r).deriv(n) for n in range(5) for r in rows]
+        return np.array([d(time - pieces[k][0]) for d in derivatives]).reshape(5, 2)
+
+    for k in range(len(pieces)):
+        until = pieces[k + 1][0] if k + 1 < len(pieces) else end
+        inside = np.array([at(t, k) for t in np.linspace(pieces[k][0], until, 200)])
+        sizes = np.linalg.norm(inside[:, 1:], axis=2).max(axis=0)
+        assert (sizes <= np.array(limits.numbers) * (1 + 1e-6)).all()
+        if k + 1 < len(pieces):
+            assert at(until, k) == pytest.approx(at(until, k + 1), abs=1e-6)
+    # The first goal is given up in mid-move.
+    assert np.abs(at(1.3, starts.index(1.3))[1]).max() > 0.1
+    run = ml.simulate(scenario)
+    assert run.status == "finished"
+    assert swing_after(run, end) < 0.01
+    last = np.array([run[c][-1] for c in ("y1", "z1")])
+    assert last == pytest.approx(scenario["goal.vehicle_position"][0], abs=1e-3)
+    assert run.audit["largest_integration_error"] < 1e-5
+
+
+def test_a_goal_told_again_changes_nothing():
+    """Rest on the way is rest: the same goal once more after the move has ended."""
+    once = {**JUMPING, "times": [0.5], "points": [1.2, 3.5]}
+    twice = {**JUMPING, "times": [0.5, 4.0], "points": [1.2, 3.5, 1.2, 3.5]}
+    runs = [ml.simulate(ideal("sim1", **r)) for r in (once, twice)]
+    assert runs[0]["y1"] == pytest.approx(runs[1]["y1"], abs=1e-9)
+
+
 def left_without_feedback(damped: bool, drag: float, swing: float) -> float:
     """How far all is from rest at the goal after a move that forces alone make; m, rad and 1/s.
 
@@ -411,6 +458,12 @@ def test_a_lead_makes_up_for_actuators_that_lag():
             "reference.start",
         ),
         ({"reference.kind": "ei", "reference.damping": True}, "reference.damping"),
+        ({"reference.kind": "flat", "reference.points": [1.2, 3.5]}, "reference.times"),
+        (
+            {"reference.kind": "flat", "reference.duration": 2.0, "reference.times": [1.0],
+             "reference.points": [1.2, 3.5]},
+            "reference.duration",
+        ),
         (
             {"reference.kind": "flat", "reference.damping": True, "controller.d_hat_start": 0.1},
             "reference.damping",

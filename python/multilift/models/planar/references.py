@@ -197,9 +197,36 @@ def _result(problem: Problem, way: planning.Way) -> tuple[list[Piece], float]:
 def _flat(problem: Problem) -> tuple[list[Piece], float]:
     duration = problem.reference["duration"]
     goal = np.zeros(2)
+    if problem.reference["points"]:
+        return _jumping(problem)
     if duration is not None:
         return _result(problem, planning.timed_move(problem.start, goal, duration))
     return _result(problem, planning.move(problem.start, goal, problem.limits))
+
+
+def _jumping(problem: Problem) -> tuple[list[Piece], float]:
+    """Towards each goal from where the way is when it is told; limits hold across jumps."""
+    goal = np.array(problem.values["goal"]["vehicle_position"][0])
+    told, goals = waypoints(problem.reference, problem.start[:, 0], goal, "y and z", problem.where)
+    _require_rest(problem)
+    if problem.reference["duration"] is not None:
+        raise ScenarioError(
+            "does not go with goals that jump",
+            where=problem.where,
+            key="reference.duration",
+            value=problem.reference["duration"],
+            permitted="left out, where reference.points are given",
+        )
+    way: list[Piece] = []
+    now, end = problem.start, 0.0
+    for begin, until, place in zip(told[1:], [*told[2:], np.inf], goals[1:], strict=True):
+        toward, end = _result(problem, planning.move(now, place, problem.limits))
+        still: Piece = (end, [[x, *[0.0] * planning.DEGREE] for x in place])
+        way += [(float(begin) + t, rows) for t, rows in [*toward, still] if begin + t < until]
+        if np.isfinite(until):
+            now = planning.move(now, place, problem.limits).at(until - begin)
+        end += float(begin)
+    return splines.wait(way), end
 
 
 def _least_snap(problem: Problem) -> tuple[list[Piece], float]:

@@ -74,10 +74,11 @@ REFERENCE = Table(
         Field("damping", "of flat and waypoints: whether the forces along the way make up for the "
               "vehicles' drag and the cables' swing damping, as the law assumes them; needs "
               "controller.d_hat_start = 0", "flag", default=False),
-        Field("times", "of waypoints: when each is reached, ascending, after start", kind="list",
+        Field("times", "of waypoints: when each is reached; of flat: when the goal jumps to "
+              "each; ascending, after start", kind="list",
               unit="s"),
-        Field("points", "of waypoints: y and z of vehicle 1 at each, one after the other; the last "
-              "one is its goal", kind="list"),
+        Field("points", "of waypoints, and of flat with a goal that jumps: y and z of vehicle 1 at "
+              "each, one after the other; the last one is its goal", kind="list"),
     ),
 )  # fmt: skip
 ACTUATORS = Table(
