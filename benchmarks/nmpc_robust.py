@@ -3,8 +3,8 @@
 python benchmarks/nmpc_robust.py TEST [WORLDS]
 
 Payload and both cables are wrong by up to 25 %, commands late by 50 ms; the law knows the nominal
-numbers and the delay. A flight takes seconds of one core: some tens
-of worlds are flown, and the share that settles is given with its interval (Clopper, Pearson).
+numbers and the delay. A flight takes seconds of one core: some tens of worlds are flown, and the
+share that settles is given with its interval (Clopper, Pearson).
 """
 
 from __future__ import annotations
