@@ -484,6 +484,7 @@ def streams(draw):
 def test_whatever_comes_values_are_numbers_and_old_is_never_new(frames, wait):
     estimator = Estimator(BODIES, CABLES)
     news: dict[str, float] = {}
+    lent: dict[str, float] = {}
     seen: dict[str, list] = {}
     for frame in frames:
         verdict = estimator.accept(frame)
@@ -503,8 +504,10 @@ def test_whatever_comes_values_are_numbers_and_old_is_never_new(frames, wait):
                 assert (standing.fault is Fault.NONE) == (standing.quality is Quality.GOOD)
                 if standing.quality is Quality.NONE:
                     continue
-                # other bodies' poses may have been taken in for it, while it is SWAPPED
-                last = max(news.values()) if standing.fault is Fault.SWAPPED else news[name]
+                # other bodies' poses may have been taken in for it, while it was SWAPPED
+                if standing.fault is Fault.SWAPPED:
+                    lent[name] = max(news.values())
+                last = max(news[name], lent.get(name, news[name]))
                 assert standing.age >= now - last - 1e-6
                 if standing.quality >= Quality.COASTING:
                     assert standing.age <= TUNING.coast
